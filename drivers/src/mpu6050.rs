@@ -1,0 +1,161 @@
+//! MPU6050: configuration with read-back, motion detector, 15-byte burst.
+//!
+//! The crate `mpu6050` wakes the chip and checks its identity (it waits 100 ms for that). It has no
+//! filter, rate, data-ready or status calls, and its `setup_motion_detection()` drops the PLL,
+//! resets the accelerometer's range and turns data-ready off. So [`Mpu6050::configure`] here writes
+//! every register that matters, after the crate or instead of it, and reads all of them back.
+//!
+//! The board reads samples without a trait, by interrupts: [`BURST_START`] and [`BURST_LENGTH`] say
+//! what to read, [`ImuBurst::from_bytes`] decodes it.
+//!
+//! Registers follow RM-MPU-6000A; ACCEL_HPF and the motion detector, hidden since its revision 4,
+//! follow revision 3.2.
+
+mod burst;
+mod motion;
+pub mod register;
+mod setup;
+
+use embedded_hal::i2c::I2c;
+
+pub use burst::{BURST_LENGTH, BURST_START, ImuBurst, InterruptStatus};
+pub use motion::{
+    MotionDecrement, MotionDetector, MotionHighPass, MotionStatus, MotionThreshold,
+    NOMINAL_MOTION_STEP,
+};
+pub use setup::{AccelRange, GyroRange, ImuConfig, InterruptPin, InterruptSource, LowPass};
+
+use crate::error::{Chip, Error, expect_identity, expect_register};
+use register::{ACCEL_CONFIG, INT_STATUS, MOT_DETECT_STATUS, MOT_THR, WHO_AM_I};
+
+/// Address on the bus with the pin AD0 low.
+pub const ADDRESS: u8 = 0x68;
+/// Address on the bus with the pin AD0 high.
+pub const ADDRESS_AD0_HIGH: u8 = 0x69;
+/// WHO_AM_I, at either address.
+pub const IDENTITY: u8 = 0x68;
+
+/// The MPU6050 on I2C.
+#[derive(Debug)]
+pub struct Mpu6050<I2C> {
+    i2c: I2C,
+    address: u8,
+}
+
+impl<I2C: I2c> Mpu6050<I2C> {
+    /// Takes the bus; nothing is sent yet.
+    pub const fn new(i2c: I2C, address: u8) -> Self {
+        Self { i2c, address }
+    }
+
+    /// Gives the bus back; the chip keeps its configuration.
+    pub fn release(self) -> I2C {
+        self.i2c
+    }
+
+    /// Checks WHO_AM_I.
+    ///
+    /// # Errors
+    /// The bus's; `WrongIdentity`, for instance 0x70 from an MPU6500.
+    pub fn check_identity(&mut self) -> Result<(), Error<I2C::Error>> {
+        let found = self.read(WHO_AM_I)?;
+        expect_identity(Chip::Mpu6050, IDENTITY, found)
+    }
+
+    /// Wakes the chip, writes the whole configuration, then checks all of it.
+    ///
+    /// The gyro needs another 30 ms (typical) after waking until its samples are right.
+    ///
+    /// # Errors
+    /// The bus's; `ReadBack` naming the first register that differs.
+    pub fn configure(&mut self, config: &ImuConfig) -> Result<(), Error<I2C::Error>> {
+        for (register, value) in config.registers() {
+            self.write(register, value)?;
+        }
+        self.verify(config)
+    }
+
+    /// Checks every register that [`Self::configure`] wrote, by reading only.
+    ///
+    /// # Errors
+    /// The bus's; `ReadBack` naming the first register that differs.
+    pub fn verify(&mut self, config: &ImuConfig) -> Result<(), Error<I2C::Error>> {
+        for (register, value) in config.registers() {
+            self.expect(register, value)?;
+        }
+        Ok(())
+    }
+
+    /// Writes the motion detector's threshold and checks it.
+    ///
+    /// # Errors
+    /// The bus's; `ReadBack`.
+    pub fn set_motion_threshold(
+        &mut self,
+        threshold: MotionThreshold,
+    ) -> Result<(), Error<I2C::Error>> {
+        self.write(MOT_THR, threshold.code())?;
+        self.expect(MOT_THR, threshold.code())
+    }
+
+    /// Makes the next sample the motion detector's reference.
+    ///
+    /// Meant for [`MotionHighPass::Hold`]. The reset settles within one sample, so a bus that puts
+    /// both writes into one sample period may see the old reference kept; check on the chip.
+    ///
+    /// # Errors
+    /// The bus's; `ReadBack`.
+    pub fn rearm_motion(&mut self, config: &ImuConfig) -> Result<(), Error<I2C::Error>> {
+        self.write(ACCEL_CONFIG, config.accel_range.bits())?;
+        self.write(ACCEL_CONFIG, config.accel_config())?;
+        self.expect(ACCEL_CONFIG, config.accel_config())
+    }
+
+    /// Reads INT_STATUS, which clears it.
+    ///
+    /// # Errors
+    /// The bus's.
+    pub fn interrupt_status(&mut self) -> Result<InterruptStatus, Error<I2C::Error>> {
+        self.read(INT_STATUS).map(InterruptStatus)
+    }
+
+    /// Reads which axis and direction moved.
+    ///
+    /// # Errors
+    /// The bus's.
+    pub fn motion_status(&mut self) -> Result<MotionStatus, Error<I2C::Error>> {
+        self.read(MOT_DETECT_STATUS).map(MotionStatus)
+    }
+
+    /// Reads status and sample in one burst; also clears INT_STATUS.
+    ///
+    /// # Errors
+    /// The bus's.
+    pub fn read_burst(&mut self) -> Result<ImuBurst, Error<I2C::Error>> {
+        let mut bytes = [0; BURST_LENGTH];
+        self.i2c
+            .write_read(self.address, &[BURST_START], &mut bytes)
+            .map_err(Error::Bus)?;
+        Ok(ImuBurst::from_bytes(&bytes))
+    }
+
+    fn read(&mut self, register: u8) -> Result<u8, Error<I2C::Error>> {
+        let mut value = [0];
+        self.i2c
+            .write_read(self.address, &[register], &mut value)
+            .map_err(Error::Bus)?;
+        let [value] = value;
+        Ok(value)
+    }
+
+    fn write(&mut self, register: u8, value: u8) -> Result<(), Error<I2C::Error>> {
+        self.i2c
+            .write(self.address, &[register, value])
+            .map_err(Error::Bus)
+    }
+
+    fn expect(&mut self, register: u8, value: u8) -> Result<(), Error<I2C::Error>> {
+        let read = self.read(register)?;
+        expect_register(Chip::Mpu6050, register, value, read)
+    }
+}
