@@ -1,0 +1,132 @@
+//! The outer loop: attitude error to desired body rates, proportional and limited.
+
+use super::{Setpoint, Yaw};
+use crate::config::{ATTITUDE_P, ATTITUDE_RATE_LIMIT};
+use crate::math::{Quaternion, Vec3};
+use crate::units::BodyRates;
+
+/// Gains and limits of the attitude loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AttitudeLaw {
+    /// Desired rate per rad of error, 1/s, about each axis.
+    pub gain: Vec3,
+    /// The largest rate the error may ask for, rad/s, about each axis.
+    pub limit: Vec3,
+}
+
+impl Default for AttitudeLaw {
+    fn default() -> Self {
+        let [x, y, z] = ATTITUDE_P;
+        let [lx, ly, lz] = ATTITUDE_RATE_LIMIT;
+        Self {
+            gain: Vec3::new(x, y, z),
+            limit: Vec3::new(lx, ly, lz),
+        }
+    }
+}
+
+impl AttitudeLaw {
+    /// Desired body rates: the setpoint's own, plus what the attitude error asks for.
+    #[must_use]
+    pub fn rates(&self, attitude: Quaternion, setpoint: &Setpoint) -> BodyRates {
+        let Some(target) = setpoint.attitude else {
+            return setpoint.rates;
+        };
+        let error = match setpoint.yaw {
+            Yaw::Heading => attitude.error_to(target),
+            Yaw::Rate => tilt_error(attitude, target),
+        };
+        let wanted = error.scale(self.gain);
+        let limited = Vec3::new(
+            wanted.x.clamp(-self.limit.x, self.limit.x),
+            wanted.y.clamp(-self.limit.y, self.limit.y),
+            wanted.z.clamp(-self.limit.z, self.limit.z),
+        );
+        BodyRates(limited + setpoint.rates.0)
+    }
+}
+
+/// The rotation (rad, body axes) that tilts as the target is tilted, heading left alone.
+///
+/// The target's tilt is taken relative to its own heading, so that a target of another heading
+/// still asks for the same forward and right lean. Nothing about the body's z axis.
+fn tilt_error(attitude: Quaternion, target: Quaternion) -> Vec3 {
+    let down = attitude.down_in_body();
+    let wanted = target.down_in_body();
+    let error = wanted.cross(down);
+    let aligned = down.dot(wanted);
+    // Upside down the sine of the angle vanishes: hold the largest error instead.
+    let scale = if aligned < 0.0 {
+        1.0 / error.norm().max(1e-3)
+    } else {
+        1.0
+    };
+    Vec3::new(error.x * scale, error.y * scale, 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::Thrust;
+    use proptest::prelude::*;
+
+    fn target(attitude: Quaternion, yaw: Yaw) -> Setpoint {
+        Setpoint {
+            attitude: Some(attitude),
+            yaw,
+            ..Setpoint::level(Thrust::ZERO)
+        }
+    }
+
+    #[test]
+    fn rolled_right_of_the_target_asks_for_roll_to_the_left() {
+        let attitude = Quaternion::IDENTITY.turned_by(Vec3::new(0.2, 0.0, 0.0));
+        for yaw in [Yaw::Heading, Yaw::Rate] {
+            let rates = AttitudeLaw::default().rates(attitude, &target(Quaternion::IDENTITY, yaw));
+            let expected = -0.2 * ATTITUDE_P[0];
+            assert!((rates.0.x - expected).abs() < 0.02, "{yaw:?} {rates:?}");
+            assert!(rates.0.y.abs() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn nose_above_the_target_asks_for_nose_down() {
+        let attitude = Quaternion::IDENTITY.turned_by(Vec3::new(0.0, 0.2, 0.0));
+        for yaw in [Yaw::Heading, Yaw::Rate] {
+            let rates = AttitudeLaw::default().rates(attitude, &target(Quaternion::IDENTITY, yaw));
+            assert!((rates.0.y + 0.2 * ATTITUDE_P[1]).abs() < 0.02, "{yaw:?} {rates:?}");
+        }
+    }
+
+    #[test]
+    fn with_a_yaw_rate_the_heading_is_free() {
+        let law = AttitudeLaw::default();
+        let setpoint = target(Quaternion::from_heading(2.0), Yaw::Rate);
+        let rates = law.rates(Quaternion::IDENTITY, &setpoint);
+        assert!(rates.0.max_norm() < 1e-5);
+        let setpoint = target(Quaternion::from_heading(0.5), Yaw::Heading);
+        assert!(law.rates(Quaternion::IDENTITY, &setpoint).0.z > 1.0);
+    }
+
+    #[test]
+    fn upside_down_still_asks_for_a_turn() {
+        let attitude = Quaternion::from_up(Vec3::new(0.0, 0.05, 1.0)).expect("a direction");
+        let rates = AttitudeLaw::default().rates(attitude, &target(Quaternion::IDENTITY, Yaw::Rate));
+        assert!(rates.0.max_norm() > 1.0);
+    }
+
+    proptest! {
+        #[test]
+        fn what_the_error_asks_for_is_limited(
+            x in -3.0f32..3.0, y in -3.0f32..3.0, z in -3.0f32..3.0, heading in -3.0f32..3.0
+        ) {
+            let attitude = Quaternion::from_heading(heading);
+            let goal = Quaternion::IDENTITY.turned_by(Vec3::new(x, y, z) * 0.3);
+            for yaw in [Yaw::Heading, Yaw::Rate] {
+                let rates = AttitudeLaw::default().rates(attitude, &target(goal, yaw));
+                prop_assert!(rates.is_finite());
+                prop_assert!(rates.0.max_norm() <= 4.0);
+            }
+        }
+    }
+}

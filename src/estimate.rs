@@ -1,0 +1,9 @@
+//! From samples to what the control logic wants to know: rates and attitude.
+
+mod arrival;
+mod attitude;
+mod calibration;
+
+pub use arrival::{Arrival, Increment};
+pub use attitude::AttitudeFilter;
+pub use calibration::{AtRest, GyroCalibration};

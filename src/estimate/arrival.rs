@@ -1,0 +1,174 @@
+//! The arrival stage: what is done to every sample, whether or not control runs on it.
+//!
+//! Each sample is low-pass filtered and summed into delta-angle, delta-velocity and delta-t.
+//! The estimator consumes the sums when control runs, so that skipped runs lose no rotation
+//! and alias no vibration; the rate law and the triggers see the filtered sample.
+
+use crate::config::{ACCEL_CUTOFF, GYRO_CUTOFF};
+use crate::math::Vec3;
+use crate::sensors::ImuSample;
+use crate::time::{Instant, seconds, span};
+use crate::units::{BodyRates, SpecificForce};
+use core::f32::consts::TAU;
+
+/// Motion between two runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Increment {
+    /// Angle turned, in rad, body axes.
+    pub angle: Vec3,
+    /// Specific force integrated, in m/s, body axes.
+    pub velocity: Vec3,
+    /// Time covered, in seconds; zero where no sample arrived.
+    pub dt: f32,
+}
+
+/// The longest time between samples that is integrated over, in seconds.
+///
+/// Ten periods of the slowest gating rate in use; after a longer silence the sums would be
+/// invention.
+const LONGEST_STEP: f32 = 0.02;
+
+/// Filter states and sums of one inertial sensor.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Arrival {
+    last: Option<Instant>,
+    rates: TwoPole,
+    force: TwoPole,
+    sum: Increment,
+    jumps: u32,
+}
+
+impl Arrival {
+    /// Filters and sums a sample, its gyroscope bias already removed.
+    ///
+    /// Stamps that go back or stand still, and steps over 20 ms, are counted and start the
+    /// sums anew at this sample.
+    pub fn take(&mut self, sample: &ImuSample) {
+        let step = self.last.map(|last| seconds(span(last, sample.at)));
+        self.last = Some(sample.at);
+        match step {
+            Some(dt) if dt > 0.0 && dt <= LONGEST_STEP => self.advance(sample, dt),
+            Some(_) => {
+                self.jumps = self.jumps.saturating_add(1);
+                self.restart(sample);
+            }
+            None => self.restart(sample),
+        }
+    }
+
+    fn restart(&mut self, sample: &ImuSample) {
+        self.rates = TwoPole::at(sample.rates.0);
+        self.force = TwoPole::at(sample.force.0);
+    }
+
+    fn advance(&mut self, sample: &ImuSample, dt: f32) {
+        self.rates.step(sample.rates.0, dt, GYRO_CUTOFF);
+        self.force.step(sample.force.0, dt, ACCEL_CUTOFF);
+        self.sum.angle += self.rates.second * dt;
+        self.sum.velocity += self.force.second * dt;
+        self.sum.dt += dt;
+    }
+
+    /// The sums since they were last taken, which begin anew.
+    pub fn take_sums(&mut self) -> Increment {
+        core::mem::take(&mut self.sum)
+    }
+
+    /// The filtered rates.
+    #[must_use]
+    pub fn rates(&self) -> BodyRates {
+        BodyRates(self.rates.second)
+    }
+
+    /// The filtered specific force.
+    #[must_use]
+    pub fn force(&self) -> SpecificForce {
+        SpecificForce(self.force.second)
+    }
+
+    /// When the newest sample was taken.
+    #[must_use]
+    pub fn newest(&self) -> Option<Instant> {
+        self.last
+    }
+
+    /// How often stamps went back or jumped.
+    #[must_use]
+    pub fn jumps(&self) -> u32 {
+        self.jumps
+    }
+}
+
+/// Two equal first-order low-passes in a row, at the measured `dt`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct TwoPole {
+    first: Vec3,
+    second: Vec3,
+}
+
+impl TwoPole {
+    fn at(value: Vec3) -> Self {
+        Self {
+            first: value,
+            second: value,
+        }
+    }
+
+    fn step(&mut self, input: Vec3, dt: f32, cutoff: f32) {
+        // -3 dB of two equal poles lies at 0.644 of each one's own corner.
+        let rate = TAU / 0.6436 * cutoff;
+        let gain = rate * dt / (1.0 + rate * dt);
+        self.first += (input - self.first) * gain;
+        self.second += (self.first - self.second) * gain;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::time::at_micros;
+
+    fn sample(at: u64, rate: f32) -> ImuSample {
+        ImuSample {
+            at: at_micros(at),
+            rates: BodyRates(Vec3::new(rate, 0.0, 0.0)),
+            force: SpecificForce(Vec3::new(0.0, 0.0, -9.8)),
+        }
+    }
+
+    #[test]
+    fn sums_cover_the_time_between_samples_whatever_their_spacing() {
+        let mut arrival = Arrival::default();
+        for at in [0, 900, 2_100, 3_000, 10_000] {
+            arrival.take(&sample(at, 2.0));
+        }
+        let sum = arrival.take_sums();
+        assert!((sum.dt - 0.01).abs() < 1e-8);
+        assert!((sum.angle.x - 0.02).abs() < 1e-6);
+        assert_eq!(arrival.take_sums(), Increment::default());
+    }
+
+    #[test]
+    fn a_jump_in_time_is_counted_and_not_integrated() {
+        let mut arrival = Arrival::default();
+        for at in [0, 1_000, 500_000, 499_000] {
+            arrival.take(&sample(at, 2.0));
+        }
+        assert_eq!(arrival.jumps(), 2);
+        assert!((arrival.take_sums().dt - 0.001).abs() < 1e-8);
+    }
+
+    #[test]
+    fn a_sine_at_the_cutoff_passes_with_minus_three_decibels() {
+        let mut arrival = Arrival::default();
+        let (mut peak, dt) = (0.0f32, 0.000_1);
+        for step in 0..20_000u64 {
+            let angle = f64::from(TAU) * f64::from(GYRO_CUTOFF) * step as f64 * dt;
+            arrival.take(&sample(step * 100, angle.sin() as f32));
+            if step > 10_000 {
+                peak = peak.max(arrival.rates().0.x);
+            }
+        }
+        assert!((peak - 0.707).abs() < 0.02, "{peak}");
+    }
+}

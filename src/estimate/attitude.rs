@@ -1,0 +1,138 @@
+//! The attitude: gyroscope integrated, pulled slowly towards gravity and a heading.
+//!
+//! A complementary filter in the form of Mahony et al. (2008) on the sums of the arrival
+//! stage, so that its result hardly depends on how often control runs.
+
+use super::Increment;
+use crate::config::{ACCEL_CORRECTION, HEADING_CORRECTION};
+use crate::math::{Quaternion, Vec3};
+use crate::sensors::GRAVITY;
+
+/// Attitude estimate, body to Earth.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AttitudeFilter {
+    attitude: Quaternion,
+}
+
+impl AttitudeFilter {
+    /// Starts from a mean specific force at rest (m/s2, body axes), heading zero.
+    ///
+    /// A force too small to show the vertical leaves the estimate as it is.
+    pub fn align(&mut self, force: Vec3) {
+        if let Some(attitude) = Quaternion::from_up(force) {
+            self.attitude = attitude;
+        }
+    }
+
+    /// The estimate.
+    #[must_use]
+    pub fn attitude(&self) -> Quaternion {
+        self.attitude
+    }
+
+    /// Advances by the motion since the last step; `dt` of zero advances nothing.
+    ///
+    /// `heading_error` is by how much (rad, clockwise) the estimate's heading falls short of a
+    /// measured one, where there is one.
+    pub fn step(&mut self, motion: &Increment, heading_error: Option<f32>) {
+        if motion.dt <= 0.0 {
+            return;
+        }
+        let mut turn = motion.angle + self.towards_gravity(motion) * motion.dt;
+        if let Some(error) = heading_error {
+            let down = self.attitude.down_in_body();
+            turn += down * (HEADING_CORRECTION * error * motion.dt);
+        }
+        self.attitude = in_small_turns(self.attitude, turn);
+    }
+
+    /// Rate (rad/s) that turns the estimated vertical towards the measured one.
+    ///
+    /// Trust falls to zero as the mean specific force leaves 1 g: in a manoeuvre it does not
+    /// show the vertical.
+    fn towards_gravity(&self, motion: &Increment) -> Vec3 {
+        let force = motion.velocity * (1.0 / motion.dt);
+        let size = force.norm();
+        let trust = 1.0 - (size - GRAVITY).abs() * (2.0 / GRAVITY);
+        if trust <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let measured_down = force * (-1.0 / size);
+        measured_down.cross(self.attitude.down_in_body()) * (ACCEL_CORRECTION * trust)
+    }
+}
+
+/// Turns in steps that the small-angle formula is exact for.
+fn in_small_turns(attitude: Quaternion, turn: Vec3) -> Quaternion {
+    const LARGEST: f32 = 0.25;
+    const MOST: u8 = 16;
+    let size = turn.max_norm();
+    if size <= LARGEST {
+        return attitude.turned_by(turn);
+    }
+    let parts = libm::ceilf(size / LARGEST).min(f32::from(MOST));
+    let part = turn * (1.0 / parts);
+    (0..parts as u8).fold(attitude, |attitude, _| attitude.turned_by(part))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::wrapped;
+    use proptest::prelude::*;
+
+    fn still(dt: f32) -> Increment {
+        Increment {
+            angle: Vec3::ZERO,
+            velocity: Vec3::new(0.0, 0.0, -GRAVITY) * dt,
+            dt,
+        }
+    }
+
+    #[test]
+    fn a_tilted_estimate_levels_while_gravity_is_seen() {
+        let mut filter = AttitudeFilter::default();
+        filter.align(Vec3::new(2.0, -1.0, -9.0));
+        for _ in 0..20_000 {
+            filter.step(&still(0.001), None);
+        }
+        let down = filter.attitude().down_in_body();
+        assert!((down - Vec3::new(0.0, 0.0, 1.0)).max_norm() < 2e-3, "{down:?}");
+    }
+
+    #[test]
+    fn a_measured_heading_is_followed_the_shorter_way() {
+        let mut filter = AttitudeFilter::default();
+        for _ in 0..100_000 {
+            let error = wrapped(-3.0 - filter.attitude().heading());
+            filter.step(&still(0.001), Some(error));
+        }
+        assert!((filter.attitude().heading() + 3.0).abs() < 1e-2);
+    }
+
+    #[test]
+    fn without_time_nothing_advances() {
+        let mut filter = AttitudeFilter::default();
+        filter.align(Vec3::new(2.0, -1.0, -9.0));
+        let before = filter;
+        filter.step(&Increment::default(), Some(1.0));
+        assert_eq!(filter, before);
+    }
+
+    proptest! {
+        #[test]
+        fn rare_steps_come_to_the_same_attitude_as_frequent_ones(
+            x in -3.0f32..3.0, y in -3.0f32..3.0, z in -3.0f32..3.0
+        ) {
+            let (mut often, mut rarely) = (AttitudeFilter::default(), AttitudeFilter::default());
+            let rate = Vec3::new(x, y, z);
+            for _ in 0..50 {
+                for _ in 0..10 {
+                    often.step(&Increment { angle: rate * 0.001, velocity: Vec3::ZERO, dt: 0.001 }, None);
+                }
+                rarely.step(&Increment { angle: rate * 0.01, velocity: Vec3::ZERO, dt: 0.01 }, None);
+            }
+            prop_assert!(often.attitude().error_to(rarely.attitude()).max_norm() < 1e-3);
+        }
+    }
+}

@@ -1,0 +1,5 @@
+//! Control logics as dataflow graphs, a file each.
+
+mod cascade;
+
+pub use cascade::{Cascade, Node};

@@ -1,0 +1,22 @@
+//! Vectors, quaternions and the few functions that flight arithmetic needs, in `f32`.
+//!
+//! Every operation is a plain IEEE multiplication, addition or division in a written order, so
+//! that the emulated core and the host give the same bits. Trigonometry is by polynomials:
+//! `libm::sinf` passes through `f64`, which the Cortex-M4F does in software.
+
+mod quaternion;
+mod trigonometry;
+mod vector;
+
+pub use quaternion::Quaternion;
+pub use trigonometry::{atan2, sin_cos, wrapped};
+pub use vector::Vec3;
+
+/// Square root; of a negative number, not a number.
+///
+/// The one place that names an implementation: `libm`'s is correctly rounded, hence the same
+/// bits as the core's `vsqrt`.
+#[must_use]
+pub fn sqrt(x: f32) -> f32 {
+    libm::sqrtf(x)
+}

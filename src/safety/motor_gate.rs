@@ -1,0 +1,82 @@
+//! The one place that can make a motor output.
+
+use super::Arming;
+use crate::airframe::MotorShares;
+use crate::config::MOTORS;
+
+/// A whole motor vector that passed the gate. Nothing else can be written to the motors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotorOutput {
+    shares: MotorShares,
+}
+
+impl MotorOutput {
+    /// One share of full scale per motor, 0 to 1; all zero while disarmed.
+    #[must_use]
+    pub fn share(&self) -> MotorShares {
+        self.shares
+    }
+}
+
+/// Lets commands pass while armed, and remembers the one that is applied.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct MotorGate {
+    applied: MotorShares,
+    refused: u32,
+}
+
+impl MotorGate {
+    /// The output for a command: the command while armed, stopped motors otherwise.
+    ///
+    /// A command with a value that is not finite is refused as a whole and counted; the applied
+    /// one stays. Critical for safety: the only constructor of [`MotorOutput`].
+    pub fn pass(&mut self, arming: Arming, command: &MotorShares) -> MotorOutput {
+        if arming != Arming::Armed {
+            self.applied = [0.0; MOTORS];
+        } else if command.iter().all(|share| share.is_finite()) {
+            self.applied = command.map(|share| share.clamp(0.0, 1.0));
+        } else {
+            self.refused = self.refused.saturating_add(1);
+        }
+        MotorOutput {
+            shares: self.applied,
+        }
+    }
+
+    /// The command that the motors hold.
+    #[must_use]
+    pub fn applied(&self) -> &MotorShares {
+        &self.applied
+    }
+
+    /// How many commands were refused because a value was not finite.
+    #[must_use]
+    pub fn refused(&self) -> u32 {
+        self.refused
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_passes_unless_armed() {
+        let mut gate = MotorGate::default();
+        for arming in [Arming::Calibrating, Arming::Disarmed] {
+            assert_eq!(gate.pass(arming, &[0.7; MOTORS]).share(), [0.0; MOTORS]);
+        }
+        assert_eq!(gate.pass(Arming::Armed, &[0.7; MOTORS]).share(), [0.7; MOTORS]);
+        assert_eq!(gate.pass(Arming::Disarmed, &[0.7; MOTORS]).share(), [0.0; MOTORS]);
+    }
+
+    #[test]
+    fn a_command_that_is_not_finite_leaves_the_applied_one() {
+        let mut gate = MotorGate::default();
+        gate.pass(Arming::Armed, &[0.3; MOTORS]);
+        let mut broken = [0.3; MOTORS];
+        broken[1] = f32::NAN;
+        assert_eq!(gate.pass(Arming::Armed, &broken).share(), [0.3; MOTORS]);
+        assert_eq!(gate.refused(), 1);
+    }
+}
