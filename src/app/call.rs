@@ -1,0 +1,219 @@
+//! Every call that enters the autopilot, as a value and as bytes.
+//!
+//! One recorder serves replay, equality of the two tiers, fault hunting and flight records:
+//! the same calls with the same stamps give the same bits on any machine. In memory the calls
+//! go to a ring that overwrites its oldest bytes; a reader that polls often enough misses none
+//! and can tell when it did.
+//!
+//! A record is a kind, the stamp in microseconds (8 bytes) and the fields, little-endian.
+
+use super::{Autopilot, ChipOrder, Fault, OrderError, Reason};
+use crate::config::MOTORS;
+use crate::link::Message;
+use crate::reactive::{Fit, Refit};
+use crate::sensors::{Cause, IMU_BURST_LENGTH, Input};
+use crate::time::{Instant, at_micros};
+
+mod codec;
+mod ring;
+
+use codec::{Decoder, Encoder};
+pub use ring::{CallRing, RING_LENGTH};
+
+/// The longest record in bytes.
+pub const LONGEST_RECORD: usize = 80;
+
+/// One call, or what a run came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Call {
+    /// `on_imu`
+    Imu([u8; IMU_BURST_LENGTH]),
+    /// `on_chip_accel`
+    ChipAccel([i16; 3], Cause),
+    /// `on_chip_mag`
+    ChipMag([i16; 3], Cause),
+    /// `on_message`
+    Message(Message),
+    /// `on_fault`
+    Fault(Fault),
+    /// `on_hyperperiod`
+    Hyperperiod,
+    /// `on_timer`
+    Timer,
+    /// `on_order_done`
+    OrderDone(ChipOrder, Result<(), OrderError>),
+    /// `on_refit`
+    Refit(Refit),
+    /// Not a call: what a run came to.
+    Ran(Ran),
+}
+
+/// The outcome of a run, recorded behind the call that caused it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ran {
+    /// Why it happened.
+    pub reason: Reason,
+    /// One bit for each input (by its number) whose change asked for it.
+    pub asked: u8,
+    /// The motor command it applied, as shares of full scale.
+    pub shares: [f32; MOTORS],
+}
+
+/// A call with the instant it carried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stamped {
+    /// The call's time argument.
+    pub at: Instant,
+    /// The call.
+    pub call: Call,
+}
+
+/// Takes note of every call.
+pub trait Recorder {
+    /// Takes note of a call with its stamp.
+    fn record(&mut self, at: Instant, call: &Call);
+}
+
+/// Records nothing: for sweeps.
+impl Recorder for () {
+    fn record(&mut self, _at: Instant, _call: &Call) {}
+}
+
+impl<R: Recorder + ?Sized> Recorder for &mut R {
+    fn record(&mut self, at: Instant, call: &Call) {
+        (**self).record(at, call);
+    }
+}
+
+/// Why bytes are not a record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DecodeError {
+    /// More bytes are needed.
+    Incomplete,
+    /// The kind or a field's number means nothing.
+    Unknown(u8),
+}
+
+impl Stamped {
+    /// Writes the record and returns it as a slice of `buffer`.
+    pub fn encode<'b>(&self, buffer: &'b mut [u8; LONGEST_RECORD]) -> &'b [u8] {
+        let mut out = Encoder::new(buffer);
+        out.byte(kind(&self.call));
+        out.put(self.at.ticks().to_le_bytes());
+        match &self.call {
+            Call::Imu(burst) => out.put(*burst),
+            Call::ChipAccel(counts, cause) | Call::ChipMag(counts, cause) => {
+                out.counts(*counts);
+                out.byte(*cause as u8);
+            }
+            Call::Message(message) => out.message(message),
+            Call::Fault(fault) => out.byte(*fault as u8),
+            Call::Hyperperiod | Call::Timer => {}
+            Call::OrderDone(order, result) => {
+                out.order(order);
+                out.result(result);
+            }
+            Call::Refit(refit) => out.refit(refit),
+            Call::Ran(ran) => {
+                out.put([ran.reason as u8, ran.asked]);
+                for share in ran.shares {
+                    out.float(share);
+                }
+            }
+        }
+        out.finish()
+    }
+
+    /// Reads one record from the front of `bytes`; also says how long it was.
+    ///
+    /// # Errors
+    /// [`DecodeError::Incomplete`] where bytes are missing, [`DecodeError::Unknown`] where
+    /// they mean nothing.
+    pub fn decode(bytes: &[u8]) -> Result<(Self, usize), DecodeError> {
+        let mut from = Decoder::new(bytes);
+        let kind = from.byte()?;
+        let at = at_micros(u64::from_le_bytes(from.take()?));
+        let call = match kind {
+            1 => Call::Imu(from.take()?),
+            2 => Call::ChipAccel(from.counts()?, from.cause()?),
+            3 => Call::ChipMag(from.counts()?, from.cause()?),
+            4 => Call::Message(from.message()?),
+            5 => Call::Fault(from.choice(Fault::from_number)?),
+            6 => Call::Hyperperiod,
+            7 => Call::Timer,
+            8 => Call::OrderDone(from.order()?, from.result()?),
+            9 => Call::Refit(from.refit()?),
+            10 => Call::Ran(Ran {
+                reason: from.choice(Reason::from_number)?,
+                asked: from.byte()?,
+                shares: from.shares()?,
+            }),
+            other => return Err(DecodeError::Unknown(other)),
+        };
+        Ok((Self { at, call }, from.consumed()))
+    }
+}
+
+impl Call {
+    /// Makes the call on an autopilot; a run's outcome is no call and does nothing.
+    pub fn replay<R: Recorder>(&self, at: Instant, autopilot: &mut Autopilot<R>) {
+        match self {
+            Self::Imu(burst) => drop(autopilot.on_imu(at, burst)),
+            Self::ChipAccel(counts, cause) => drop(autopilot.on_chip_accel(at, *counts, *cause)),
+            Self::ChipMag(counts, cause) => drop(autopilot.on_chip_mag(at, *counts, *cause)),
+            Self::Message(message) => drop(autopilot.on_message(at, message)),
+            Self::Fault(fault) => autopilot.on_fault(at, *fault),
+            Self::Hyperperiod => drop(autopilot.on_hyperperiod(at)),
+            Self::Timer => drop(autopilot.on_timer(at)),
+            Self::OrderDone(order, result) => autopilot.on_order_done(at, *order, *result),
+            Self::Refit(refit) => autopilot.on_refit(at, *refit),
+            Self::Ran(_) => {}
+        }
+    }
+}
+
+fn kind(call: &Call) -> u8 {
+    match call {
+        Call::Imu(_) => 1,
+        Call::ChipAccel(..) => 2,
+        Call::ChipMag(..) => 3,
+        Call::Message(_) => 4,
+        Call::Fault(_) => 5,
+        Call::Hyperperiod => 6,
+        Call::Timer => 7,
+        Call::OrderDone(..) => 8,
+        Call::Refit(_) => 9,
+        Call::Ran(_) => 10,
+    }
+}
+
+impl Encoder<'_> {
+    fn refit(&mut self, refit: &Refit) {
+        self.byte(refit.input as u8);
+        match refit.fit {
+            Fit::Unfit => self.byte(0),
+            Fit::Irrelevant => self.byte(1),
+            Fit::Model(model) => {
+                self.byte(2);
+                self.float(model.b1);
+                self.float(model.b2);
+            }
+        }
+    }
+}
+
+impl Decoder<'_> {
+    fn refit(&mut self) -> Result<Refit, DecodeError> {
+        let input = self.choice(Input::from_number)?;
+        let fit = match self.byte()? {
+            0 => Fit::Unfit,
+            1 => Fit::Irrelevant,
+            2 => Fit::Model(crate::reactive::Logistic {
+                b1: self.float()?,
+                b2: self.float()?,
+            }),
+            other => return Err(DecodeError::Unknown(other)),
+        };
+        Ok(Refit { input, fit })
+    }
+}

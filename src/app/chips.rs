@@ -1,0 +1,264 @@
+//! What the LSM303AGR's two chips shall do, and what they were seen to do.
+//!
+//! In the warm-up every sample is wanted; in reactive control, with a model, the chip compares
+//! and only tells of a change past its threshold. Orders go out one at a time per chip, are
+//! read back by the board, and are repeated while they fail.
+
+use super::{Autopilot, Call, ChipOrder, Fault, OrderError, Recorder};
+use crate::config::{CHIP_ACCEL, CHIP_MAG};
+use crate::reactive::{Fit, Phase};
+use crate::sensors::{GRAVITY, Input, MAG_SCALE};
+use crate::settings::Reference;
+use crate::telemetry::Event;
+use crate::time::{Duration, Instant, micros, seconds, span};
+
+/// m/s2 per code of the accelerometer's threshold at +-4 g: 32 mg (LSM303AGR, table 60).
+pub const ACCEL_CODE: f32 = 0.032 * GRAVITY;
+
+/// The largest threshold code of the accelerometer: 7 bits.
+const LARGEST_ACCEL_CODE: f32 = 127.0;
+
+/// Time constant of the accelerometer's high-pass at its lowest corner and 100 Hz, 0.25 Hz.
+const HIGH_PASS_TIME: f32 = 0.64;
+
+/// A sample that repeats this often, bit by bit, comes from a chip that is stuck.
+const STUCK: u8 = 50;
+
+/// After this long without an answer an order counts as lost and is given again.
+const ORDER_LIFE: Duration = micros(50_000);
+
+/// What a chip interrupts for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Mode {
+    DataReady,
+    Threshold(u16),
+}
+
+/// One of the two chips.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Chip {
+    wanted: Mode,
+    programmed: Option<Mode>,
+    /// When the order under way was given.
+    ordered: Option<Instant>,
+    rearm: bool,
+    rearmed: Instant,
+    seen: Instant,
+    silence_told: bool,
+    counts: [i16; 3],
+    repeats: u8,
+}
+
+/// Both.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub(super) struct Chips {
+    pub(super) accel: Chip,
+    pub(super) mag: Chip,
+}
+
+impl Default for Chip {
+    fn default() -> Self {
+        Self {
+            wanted: Mode::DataReady,
+            programmed: None,
+            ordered: None,
+            rearm: false,
+            rearmed: Instant::from_ticks(0),
+            seen: Instant::from_ticks(0),
+            silence_told: false,
+            counts: [0; 3],
+            repeats: 0,
+        }
+    }
+}
+
+/// What one chip needs next.
+enum Need {
+    Program(Mode),
+    Rearm,
+    Heartbeat,
+}
+
+impl Chip {
+    pub(super) fn on_sample(&mut self, at: Instant, counts: [i16; 3]) {
+        self.seen = at;
+        self.silence_told = false;
+        self.repeats = if counts == self.counts {
+            self.repeats.saturating_add(1)
+        } else {
+            0
+        };
+        self.counts = counts;
+    }
+
+    /// True where the samples repeat bit by bit: no sensor is that still.
+    pub(super) fn is_stuck(&self) -> bool {
+        self.repeats >= STUCK
+    }
+
+    /// Re-arming more often than the chip samples would change nothing.
+    fn need(&mut self, now: Instant, period: Duration, failsafe: Duration) -> Option<Need> {
+        if self.ordered.is_some_and(|at| span(at, now) < ORDER_LIFE) {
+            return None;
+        }
+        let need = if self.programmed != Some(self.wanted) {
+            Need::Program(self.wanted)
+        } else if self.rearm
+            && matches!(self.wanted, Mode::Threshold(_))
+            && span(self.rearmed, now) >= period
+        {
+            Need::Rearm
+        } else if span(self.seen, now) >= failsafe {
+            Need::Heartbeat
+        } else {
+            return None;
+        };
+        self.ordered = Some(now);
+        Some(need)
+    }
+
+    fn on_done(&mut self, at: Instant, order: Done, result: Result<(), OrderError>) {
+        self.ordered = None;
+        if result.is_ok() {
+            self.seen = at;
+        }
+        match (order, result) {
+            (Done::Programmed(mode), Ok(())) => {
+                self.programmed = Some(mode);
+                self.rearm = matches!(mode, Mode::Threshold(_));
+            }
+            (Done::Rearmed, Ok(())) => {
+                self.rearm = false;
+                self.rearmed = at;
+            }
+            (Done::HeartbeatRead, Ok(())) => {}
+            // Whatever failed, what the chip does now is not known: program it anew.
+            (_, Err(_)) => self.programmed = None,
+        }
+    }
+}
+
+/// The kind of order that was carried out.
+enum Done {
+    Programmed(Mode),
+    Rearmed,
+    HeartbeatRead,
+}
+
+impl Chips {
+    /// After a run the chips' references are old.
+    pub(super) fn on_run(&mut self) {
+        self.accel.rearm = true;
+        self.mag.rearm = true;
+    }
+
+    /// A new phase: what is under way is not waited for.
+    pub(super) fn retry(&mut self) {
+        self.accel.ordered = None;
+        self.mag.ordered = None;
+    }
+}
+
+impl<R: Recorder> Autopilot<R> {
+    /// The next order for the LSM303AGR, where one is due; the board reports when it is done.
+    pub fn next_order(&mut self) -> Option<ChipOrder> {
+        self.want_thresholds();
+        let (now, failsafe) = (self.clock, self.settings.failsafe);
+        if let Some(need) = self.chips.accel.need(now, CHIP_ACCEL.period, failsafe) {
+            return Some(match need {
+                Need::Program(Mode::DataReady) => ChipOrder::AccelDataReady,
+                Need::Program(Mode::Threshold(code)) => ChipOrder::AccelThreshold(code as u8),
+                Need::Rearm => ChipOrder::AccelRearm,
+                Need::Heartbeat => ChipOrder::AccelHeartbeat,
+            });
+        }
+        let need = self.chips.mag.need(now, CHIP_MAG.period, failsafe)?;
+        Some(match need {
+            Need::Program(Mode::DataReady) => ChipOrder::MagDataReady,
+            Need::Program(Mode::Threshold(code)) => ChipOrder::MagThreshold(code),
+            Need::Rearm => ChipOrder::MagRearm,
+            Need::Heartbeat => ChipOrder::MagHeartbeat,
+        })
+    }
+
+    /// The board carried an order out, or could not.
+    pub fn on_order_done(&mut self, at: Instant, order: ChipOrder, result: Result<(), OrderError>) {
+        self.note(at, Call::OrderDone(order, result));
+        let accel = &mut self.chips.accel;
+        let mag = &mut self.chips.mag;
+        let (chip, done) = match order {
+            ChipOrder::AccelDataReady => (accel, Done::Programmed(Mode::DataReady)),
+            ChipOrder::AccelThreshold(code) => {
+                (accel, Done::Programmed(Mode::Threshold(u16::from(code))))
+            }
+            ChipOrder::AccelRearm => (accel, Done::Rearmed),
+            ChipOrder::AccelHeartbeat => (accel, Done::HeartbeatRead),
+            ChipOrder::MagDataReady => (mag, Done::Programmed(Mode::DataReady)),
+            ChipOrder::MagThreshold(code) => (mag, Done::Programmed(Mode::Threshold(code))),
+            ChipOrder::MagRearm => (mag, Done::Rearmed),
+            ChipOrder::MagHeartbeat => (mag, Done::HeartbeatRead),
+        };
+        let programs = matches!(done, Done::Programmed(_));
+        chip.on_done(at, done, result);
+        match result {
+            Ok(()) if programs => self.events.push(Event::Programmed(order)),
+            Ok(()) => {}
+            Err(error) => {
+                self.events.push(Event::OrderFailed(order, error));
+                self.count(Fault::ChipBus);
+            }
+        }
+    }
+
+    /// A chip that answers nothing for two failsafe periods is told of, once per silence.
+    pub(super) fn check_chips(&mut self, now: Instant) {
+        let longest = self.settings.failsafe * 2;
+        let silent = |chip: &mut Chip| {
+            let tell = !chip.silence_told && span(chip.seen, now) > longest;
+            chip.silence_told |= tell;
+            tell
+        };
+        let accel = silent(&mut self.chips.accel);
+        let mag = silent(&mut self.chips.mag);
+        if accel {
+            self.count(Fault::AccelSilent);
+        }
+        if mag {
+            self.count(Fault::MagSilent);
+        }
+    }
+
+    /// Rounds the thresholds of the models down to what the chips can hold.
+    pub(super) fn want_thresholds(&mut self) {
+        self.chips.accel.wanted = self.wanted(Input::ChipAccel, |x| self.accel_code(x));
+        self.chips.mag.wanted = self.wanted(Input::ChipMag, mag_code);
+    }
+
+    /// A chip compares only in reactive control, with a model, against the last run's sample.
+    fn wanted(&self, input: Input, code: impl Fn(f32) -> Option<u16>) -> Mode {
+        let compares = self.supervisor.phase() == Phase::Reactive
+            && self.settings.reference == Reference::LastRun
+            && matches!(self.fit(input), Fit::Model(_));
+        if !compares {
+            return Mode::DataReady;
+        }
+        code(self.threshold(input)).map_or(Mode::DataReady, Mode::Threshold)
+    }
+
+    /// The accelerometer's code; `None` where the change is finer than one code.
+    ///
+    /// Its high-pass forgets: where the failsafe lets it forget more than a fifth of its time
+    /// constant, the code is lowered by the worst decay.
+    fn accel_code(&self, x: f32) -> Option<u16> {
+        let age = seconds(self.settings.failsafe) / HIGH_PASS_TIME;
+        let kept = if age > 0.2 { libm::expf(-age) } else { 1.0 };
+        let code = libm::floorf(x * kept / ACCEL_CODE).min(LARGEST_ACCEL_CODE);
+        (code >= 1.0).then_some(code as u16)
+    }
+}
+
+/// The magnetometer's code, 1.5 mG each; `None` where the change is finer than one.
+fn mag_code(x: f32) -> Option<u16> {
+    let code = libm::floorf(x / MAG_SCALE).min(32_767.0);
+    (code >= 1.0).then_some(code as u16)
+}

@@ -1,0 +1,214 @@
+//! What comes in: samples of both chips, messages of the link.
+
+use super::{Autopilot, Call, Fault, Next, Recorder};
+use crate::config::{SETPOINT_ANGLE_QUANTUM, SETPOINT_RATE_QUANTUM, SETPOINT_THRUST_QUANTUM};
+use crate::control::Setpoint;
+use crate::link::{Answer, ExternalPose, Message};
+use crate::math::{Vec3, atan2, wrapped};
+use crate::reactive::{Phase, PhaseEvent};
+use crate::safety::{Arming, ArmingEvent};
+use crate::sensors::{
+    Cause, IMU_BURST_LENGTH, ImuSample, Input, chip_field, chip_force,
+};
+use crate::telemetry::Event;
+use crate::time::{Duration, Instant, micros, span};
+use crate::units::BodyRates;
+
+/// How long a measured error of the heading is believed.
+const HEADING_LIFE: Duration = micros(200_000);
+
+/// The weakest horizontal field (gauss) that shows a heading; Earth's is 0.1 and more below
+/// 70 degrees of latitude.
+const WEAKEST_FIELD: f32 = 0.05;
+
+impl<R: Recorder> Autopilot<R> {
+    /// A burst of the MPU6050 was received; `at` is the stamp of its interrupt.
+    ///
+    /// Filters, sums and compares, and ends the hyperperiod: the MPU6050 is its only gate.
+    pub fn on_imu(&mut self, at: Instant, burst: &[u8; IMU_BURST_LENGTH]) -> Next {
+        self.note(at, Call::Imu(*burst));
+        let Some(sample) = ImuSample::from_burst(at, burst) else {
+            self.count(Fault::ImuStale);
+            return Next::Wait;
+        };
+        let Some(bias) = self.bias else {
+            self.calibrate(&sample);
+            return Next::Wait;
+        };
+        self.arrival.take(&ImuSample {
+            rates: BodyRates(sample.rates.0 - bias.0),
+            ..sample
+        });
+        if self.supervisor.phase() == Phase::Fallback(crate::reactive::FallbackReason::ImuLost) {
+            self.move_phase(PhaseEvent::ImuBack);
+        }
+        let rates = self.arrival.rates().0;
+        let force = self.arrival.force().0;
+        self.compare(Input::Gyro, rates);
+        self.compare(Input::Accel, force);
+        let exploration = &mut self.exploration;
+        let phase = self.supervisor.phase();
+        if self.schedule.end_of_hyperperiod(at, phase, || exploration.draw()) {
+            Next::Hyperperiod
+        } else {
+            Next::Wait
+        }
+    }
+
+    fn calibrate(&mut self, sample: &ImuSample) {
+        if let Some(found) = self.calibration.take(sample) {
+            self.bias = Some(found.bias);
+            self.graph.align(found.force);
+            self.move_arming(ArmingEvent::Calibrated);
+        }
+    }
+
+    /// Takes a sample into its trigger; asks for a run where its change calls for one.
+    fn compare(&mut self, input: Input, sample: Vec3) -> bool {
+        let calls = self.learners.of(input).trigger.take(sample);
+        if calls {
+            self.schedule.ask(input);
+        }
+        calls
+    }
+
+    /// A sample of the LSM303AGR's accelerometer; `at` is the stamp of its interrupt.
+    pub fn on_chip_accel(&mut self, at: Instant, counts: [i16; 3], cause: Cause) -> Next {
+        self.note(at, Call::ChipAccel(counts, cause));
+        self.chips.accel.on_sample(at, counts);
+        self.on_chip_sample(at, Input::ChipAccel, chip_force(counts).0, cause)
+    }
+
+    /// A sample of the LSM303AGR's magnetometer, its OFFSET registers added back.
+    pub fn on_chip_mag(&mut self, at: Instant, counts: [i16; 3], cause: Cause) -> Next {
+        self.note(at, Call::ChipMag(counts, cause));
+        self.chips.mag.on_sample(at, counts);
+        let field = chip_field(counts).0;
+        if !self.chips.mag.is_stuck() {
+            self.measure_heading(at, field);
+        }
+        self.on_chip_sample(at, Input::ChipMag, field, cause)
+    }
+
+    fn on_chip_sample(&mut self, at: Instant, input: Input, sample: Vec3, cause: Cause) -> Next {
+        if cause == Cause::Rearm {
+            self.learners.of(input).trigger.rearm(sample);
+            return Next::Wait;
+        }
+        let crossed = self.compare(input, sample);
+        if cause == Cause::Threshold && !crossed {
+            // The chip compared, and its comparison decides.
+            self.schedule.ask(input);
+        }
+        if self.supervisor.is_learning() {
+            self.learners.hold(at, input, self.gate.applied());
+        }
+        let asked = crossed || cause == Cause::Threshold;
+        if asked && self.supervisor.phase() == Phase::Reactive {
+            Next::HyperperiodAt(self.schedule.timeout())
+        } else {
+            Next::Wait
+        }
+    }
+
+    /// The field's horizontal direction, held against the one first seen, shows yaw drift.
+    fn measure_heading(&mut self, at: Instant, field: Vec3) {
+        let earth = self.graph.attitude().to_earth(field);
+        if earth.x.abs().max(earth.y.abs()) < WEAKEST_FIELD || self.bias.is_none() {
+            return;
+        }
+        let direction = atan2(earth.y, earth.x);
+        let reference = *self.heading.field.get_or_insert(direction);
+        self.heading.error = Some((at, wrapped(reference - direction)));
+    }
+
+    /// The error of the heading, while it is fresh.
+    pub(super) fn heading_error(&self, now: Instant) -> Option<f32> {
+        self.heading
+            .error
+            .filter(|(at, _)| span(*at, now) <= HEADING_LIFE)
+            .map(|(_, error)| error)
+    }
+
+    /// A message of the link; the answer where it was a command.
+    pub fn on_message(&mut self, at: Instant, message: &Message) -> (Next, Option<Answer>) {
+        self.note(at, Call::Message(*message));
+        match message {
+            Message::Heartbeat => (Next::Wait, None),
+            Message::Setpoint(setpoint) => {
+                self.on_setpoint(at, setpoint);
+                (Next::Wait, None)
+            }
+            Message::Arm(arm) => (Next::Wait, Some(self.on_arm(*arm))),
+            Message::Pose(pose) => {
+                self.on_pose(at, pose);
+                (Next::Wait, None)
+            }
+        }
+    }
+
+    /// A setpoint joins: the next run uses it. It forces a run once it moved past its quantum.
+    fn on_setpoint(&mut self, at: Instant, setpoint: &Setpoint) {
+        let first = self.setpoint_at.replace(at).is_none();
+        self.graph.set_setpoint(*setpoint);
+        if first || moved(self.learners.setpoint_of_last_run(), setpoint) {
+            self.schedule.ask_for_setpoint();
+        }
+    }
+
+    fn on_arm(&mut self, arm: bool) -> Answer {
+        let event = if arm { ArmingEvent::Arm } else { ArmingEvent::Disarm };
+        if self.move_arming(event) {
+            Answer::Accepted
+        } else {
+            Answer::TemporarilyRejected
+        }
+    }
+
+    /// Moves the arming state; false where that was refused.
+    pub(super) fn move_arming(&mut self, event: ArmingEvent) -> bool {
+        match self.arming.after(event) {
+            Ok(arming) => {
+                if arming != self.arming {
+                    self.arming = arming;
+                    self.events.push(Event::Arming(arming));
+                    self.on_arming_changed();
+                }
+                true
+            }
+            Err(refusal) => {
+                self.events.push(Event::Refused(refusal));
+                false
+            }
+        }
+    }
+
+    fn on_arming_changed(&mut self) {
+        let event = match self.arming {
+            Arming::Armed => PhaseEvent::Armed,
+            Arming::Disarmed | Arming::Calibrating => PhaseEvent::Disarmed,
+        };
+        self.move_phase(event);
+    }
+
+    fn on_pose(&mut self, at: Instant, pose: &ExternalPose) {
+        if let Some(attitude) = pose.attitude {
+            let error = wrapped(attitude.heading() - self.graph.attitude().heading());
+            self.heading.error = Some((at, error));
+        }
+        self.pose = Some(*pose);
+    }
+}
+
+/// True where a setpoint differs from another by its own quantum or more.
+fn moved(from: &Setpoint, to: &Setpoint) -> bool {
+    let turned = match (from.attitude, to.attitude) {
+        (Some(from), Some(to)) => from.error_to(to).max_norm() >= SETPOINT_ANGLE_QUANTUM,
+        (None, None) => false,
+        _ => true,
+    };
+    turned
+        || from.yaw != to.yaw
+        || (to.rates.0 - from.rates.0).max_norm() >= SETPOINT_RATE_QUANTUM
+        || (to.thrust.share() - from.thrust.share()).abs() >= SETPOINT_THRUST_QUANTUM
+}

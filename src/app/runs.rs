@@ -1,0 +1,106 @@
+//! Runs: the graph propagates, the gate passes, what happened becomes labels.
+
+use super::{Autopilot, Call, Fault, Ran, Reason, Recorder};
+use crate::config::SETPOINT_TIMEOUT;
+use crate::control::Setpoint;
+use crate::reactive::{PhaseEvent, differs};
+use crate::safety::{Arming, ArmingEvent, MotorOutput};
+use crate::telemetry::Event;
+use crate::time::{Instant, span};
+
+impl<R: Recorder> Autopilot<R> {
+    /// The hyperperiod ended: control runs if a run is due.
+    ///
+    /// The output must be written to the motors at once.
+    pub fn on_hyperperiod(&mut self, now: Instant) -> Option<MotorOutput> {
+        self.note(now, Call::Hyperperiod);
+        let reason = self.schedule.take_due(now, self.supervisor.phase())?;
+        Some(self.run(now, reason))
+    }
+
+    /// The timer that depends on no sensor: control runs if the failsafe is due.
+    ///
+    /// To be called at [`Self::deadline`]; an early call does no harm.
+    pub fn on_timer(&mut self, now: Instant) -> Option<MotorOutput> {
+        self.note(now, Call::Timer);
+        if now < self.deadline() {
+            return None;
+        }
+        self.check_gate(now);
+        self.check_chips(now);
+        Some(self.run(now, Reason::Failsafe))
+    }
+
+    /// When [`Self::on_timer`] is due next.
+    #[must_use]
+    pub fn deadline(&self) -> Instant {
+        self.schedule.deadline()
+    }
+
+    fn check_gate(&mut self, now: Instant) {
+        if self.schedule.is_gate_silent(now) {
+            self.count(Fault::ImuSilent);
+            self.move_arming(ArmingEvent::ImuLost);
+            self.move_phase(PhaseEvent::ImuLost);
+            if self.arming == Arming::Calibrating {
+                self.bias = None;
+            }
+        }
+    }
+
+    pub(super) fn move_phase(&mut self, event: PhaseEvent) {
+        if let Some(phase) = self.supervisor.on(event, self.clock) {
+            self.events.push(Event::Phase(phase));
+            self.learners.restart_holds();
+            self.chips.retry();
+        }
+    }
+
+    fn run(&mut self, now: Instant, reason: Reason) -> MotorOutput {
+        self.check_setpoint(now);
+        let motion = self.arrival.take_sums();
+        let heading_error = self.heading_error(now);
+        self.graph
+            .set_motion(motion, self.arrival.rates(), heading_error);
+        self.graph.propagate();
+        if self.arming != Arming::Armed {
+            self.graph.reset_integrals();
+        }
+        let before = *self.gate.applied();
+        let output = self.gate.pass(self.arming, self.graph.command());
+        let asked = self.schedule.asked();
+        let changed = differs(&before, &output.share(), self.settings.quantum);
+        self.learn(now, reason, asked, changed);
+        self.schedule.on_run(now);
+        self.learners.on_run(self.graph.setpoint());
+        self.chips.on_run();
+        self.recorder.record(
+            now,
+            &Call::Ran(Ran {
+                reason,
+                asked,
+                shares: output.share(),
+            }),
+        );
+        self.events.push(Event::Ran {
+            number: self.schedule.runs(),
+            reason,
+            asked,
+            changed,
+        });
+        output
+    }
+
+    /// A peer that fell silent must not keep the drone leaning: level, heading free.
+    fn check_setpoint(&mut self, now: Instant) {
+        if self
+            .setpoint_at
+            .is_some_and(|at| span(at, now) > SETPOINT_TIMEOUT)
+        {
+            self.setpoint_at = None;
+            let thrust = self.graph.setpoint().thrust;
+            self.graph.set_setpoint(Setpoint::level(thrust));
+            self.events.push(Event::SetpointLost);
+        }
+    }
+}

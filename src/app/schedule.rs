@@ -1,0 +1,134 @@
+//! When control runs: hyperperiods, what was asked for, the failsafe.
+
+use super::Reason;
+use crate::config::HYPERPERIOD;
+use crate::reactive::Phase;
+use crate::sensors::Input;
+use crate::settings::{Policy, Settings};
+use crate::time::{Duration, Instant, span};
+
+/// Bookkeeping of runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Schedule {
+    failsafe: Duration,
+    period: Option<Duration>,
+    last_run: Instant,
+    last_gate: Option<Instant>,
+    next_periodic: Instant,
+    /// One bit for each input that asked for a run in this hyperperiod.
+    asked: u8,
+    setpoint_asked: bool,
+    pending: Option<Reason>,
+    runs: u32,
+}
+
+impl Schedule {
+    pub(super) fn new(settings: &Settings) -> Self {
+        Self {
+            failsafe: settings.failsafe,
+            period: match settings.policy {
+                Policy::Reactive => None,
+                Policy::Periodic(period) => Some(period),
+            },
+            last_run: Instant::from_ticks(0),
+            last_gate: None,
+            next_periodic: Instant::from_ticks(0),
+            asked: 0,
+            setpoint_asked: false,
+            pending: None,
+            runs: 0,
+        }
+    }
+
+    /// An input's change calls for a run.
+    pub(super) fn ask(&mut self, input: Input) {
+        self.asked |= 1 << input as u8;
+    }
+
+    /// The setpoint calls for a run.
+    pub(super) fn ask_for_setpoint(&mut self) {
+        self.setpoint_asked = true;
+    }
+
+    pub(super) fn asked(&self) -> u8 {
+        self.asked
+    }
+
+    pub(super) fn runs(&self) -> u32 {
+        self.runs
+    }
+
+    /// The last gating input of a hyperperiod arrived: is a run due, and why?
+    pub(super) fn end_of_hyperperiod(
+        &mut self,
+        at: Instant,
+        phase: Phase,
+        explore: impl FnOnce() -> bool,
+    ) -> bool {
+        self.last_gate = Some(at);
+        let reason = match phase {
+            Phase::Ground => Some(Reason::Ground),
+            Phase::WarmUp => Some(Reason::WarmUp),
+            Phase::Fallback(_) => Some(Reason::Fallback),
+            Phase::Periodic => self.is_period_over(at).then_some(Reason::Periodic),
+            Phase::Reactive => self.asked_reason().or_else(|| explore().then_some(Reason::Exploration)),
+        };
+        self.pending = reason;
+        reason.is_some()
+    }
+
+    fn asked_reason(&self) -> Option<Reason> {
+        if self.asked != 0 {
+            Some(Reason::Trigger)
+        } else {
+            self.setpoint_asked.then_some(Reason::Setpoint)
+        }
+    }
+
+    fn is_period_over(&mut self, at: Instant) -> bool {
+        let Some(period) = self.period else {
+            return false;
+        };
+        // A period of one hyperperiod or less means every one, however long it really is.
+        if period <= HYPERPERIOD {
+            return true;
+        }
+        if at < self.next_periodic {
+            return false;
+        }
+        self.next_periodic = self.next_periodic.max(at - period.min(HYPERPERIOD)) + period;
+        true
+    }
+
+    /// When a hyperperiod that saw no gating sample ends: 1.5 periods after the last one.
+    pub(super) fn timeout(&self) -> Instant {
+        self.last_gate.unwrap_or(self.last_run) + HYPERPERIOD * 3 / 2
+    }
+
+    /// The reason of the run that is due at the end of a hyperperiod, if one is.
+    pub(super) fn take_due(&mut self, now: Instant, phase: Phase) -> Option<Reason> {
+        let timed_out = phase == Phase::Reactive && now >= self.timeout();
+        self.pending
+            .take()
+            .or_else(|| self.asked_reason().filter(|_| timed_out))
+    }
+
+    /// When the failsafe run is due.
+    pub(super) fn deadline(&self) -> Instant {
+        self.last_run + self.failsafe
+    }
+
+    /// True where the gating sensor has been silent for two failsafe periods.
+    pub(super) fn is_gate_silent(&self, now: Instant) -> bool {
+        span(self.last_gate.unwrap_or(Instant::from_ticks(0)), now) > self.failsafe * 2
+    }
+
+    /// A run happened.
+    pub(super) fn on_run(&mut self, now: Instant) {
+        self.last_run = now;
+        self.asked = 0;
+        self.setpoint_asked = false;
+        self.pending = None;
+        self.runs = self.runs.wrapping_add(1);
+    }
+}

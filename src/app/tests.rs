@@ -1,0 +1,260 @@
+//! The autopilot through its door: calibration, warm-up, triggers, failsafe, determinism.
+
+use super::*;
+use crate::config::{HYPERPERIOD, MOTORS, SETTINGS};
+use crate::control::Setpoint;
+use crate::link::{Answer, Message};
+use crate::reactive::{Fit, Phase};
+use crate::sensors::{Cause, Input};
+use crate::settings::{Policy, WarmUp};
+use crate::time::{at_micros, micros, span};
+use crate::units::Thrust;
+use std::vec::Vec;
+
+impl Recorder for Vec<Stamped> {
+    fn record(&mut self, at: Instant, call: &Call) {
+        self.push(Stamped { at, call: *call });
+    }
+}
+
+/// A burst of a drone at rest that turns about roll at `rate` counts.
+fn burst(rate: i16) -> [u8; 15] {
+    let [high, low] = rate.to_be_bytes();
+    let [down, down_low] = (-2048i16).to_be_bytes();
+    [1, 0, 0, 0, 0, down, down_low, 0, 0, high, low, 0, 0, 0, 0]
+}
+
+/// A board that does what the firmware does, without one.
+struct Bench {
+    autopilot: Autopilot<Vec<Stamped>>,
+    now: u64,
+    outputs: Vec<(u64, [f32; MOTORS])>,
+}
+
+impl Bench {
+    fn new(settings: Settings) -> Self {
+        Self {
+            autopilot: Autopilot::new(settings, Vec::new()),
+            now: 0,
+            outputs: Vec::new(),
+        }
+    }
+
+    fn milliseconds(&mut self, count: u64, mut rate: impl FnMut(u64) -> Option<i16>) {
+        for _ in 0..count {
+            self.now += 1000;
+            let now = at_micros(self.now);
+            if self.autopilot.deadline() <= now
+                && let Some(output) = self.autopilot.on_timer(now)
+            {
+                self.outputs.push((self.now, output.share()));
+            }
+            if let Some(rate) = rate(self.now)
+                && self.autopilot.on_imu(now, &burst(rate)) == Next::Hyperperiod
+                && let Some(output) = self.autopilot.on_hyperperiod(now)
+            {
+                self.outputs.push((self.now, output.share()));
+            }
+            while let Some(job) = self.autopilot.refit_due(now) {
+                self.autopilot.on_refit(now, job.fit());
+            }
+        }
+    }
+
+    fn armed(settings: Settings) -> Self {
+        let mut bench = Self::new(settings);
+        bench.milliseconds(600, |_| Some(0));
+        bench.tell(&Message::Setpoint(Setpoint::level(
+            Thrust::new(0.5).expect("in range"),
+        )));
+        assert_eq!(bench.tell(&Message::Arm(true)), Some(Answer::Accepted));
+        bench
+    }
+
+    fn tell(&mut self, message: &Message) -> Option<Answer> {
+        let (_, answer) = self.autopilot.on_message(at_micros(self.now), message);
+        answer
+    }
+
+    fn phase(&self) -> Phase {
+        self.autopilot.telemetry().phase
+    }
+
+    fn reasons(&self) -> Vec<Reason> {
+        self.autopilot
+            .recorder
+            .iter()
+            .filter_map(|stamped| match stamped.call {
+                Call::Ran(ran) => Some(ran.reason),
+                _ => None,
+            })
+            .collect()
+    }
+}
+
+/// A gust every quarter second over a little noise, in counts.
+fn gusty(now: u64) -> Option<i16> {
+    let noise = ((now / 1000).wrapping_mul(2_654_435_761) >> 7) % 9;
+    let gust = if now / 1000 % 250 < 60 { 400 } else { 0 };
+    Some(noise as i16 - 4 + gust)
+}
+
+fn short_warm_up() -> Settings {
+    Settings {
+        warm_up: WarmUp::Fixed(micros(4_000_000)),
+        ..SETTINGS
+    }
+}
+
+#[test]
+fn it_refuses_to_arm_before_the_gyroscope_is_calibrated() {
+    let mut bench = Bench::new(SETTINGS);
+    bench.milliseconds(100, |_| Some(0));
+    assert_eq!(
+        bench.tell(&Message::Arm(true)),
+        Some(Answer::TemporarilyRejected)
+    );
+    bench.milliseconds(1000, |_| Some(0));
+    assert_eq!(bench.tell(&Message::Arm(true)), Some(Answer::Accepted));
+}
+
+#[test]
+fn motors_stay_stopped_until_armed_and_stop_when_disarmed() {
+    let mut bench = Bench::new(SETTINGS);
+    bench.milliseconds(1000, |_| Some(0));
+    assert!(bench.outputs.iter().all(|(_, shares)| *shares == [0.0; MOTORS]));
+    let mut bench = Bench::armed(SETTINGS);
+    bench.milliseconds(10, |_| Some(0));
+    assert!(bench.outputs.last().expect("runs").1.iter().all(|share| *share > 0.3));
+    bench.tell(&Message::Arm(false));
+    bench.milliseconds(10, |_| Some(0));
+    assert_eq!(bench.outputs.last().expect("runs").1, [0.0; MOTORS]);
+}
+
+#[test]
+fn warm_up_fits_a_model_and_reactive_control_spares_runs() {
+    let mut bench = Bench::armed(short_warm_up());
+    bench.milliseconds(4_600, gusty);
+    assert_eq!(bench.phase(), Phase::Reactive);
+    assert!(matches!(bench.autopilot.fit(Input::Gyro), Fit::Model(_)));
+    let before = bench.outputs.len();
+    bench.milliseconds(4_000, gusty);
+    let runs = bench.outputs.len() - before;
+    assert!((40..3_000).contains(&runs), "{runs} runs in 4000 hyperperiods");
+    assert!(bench.reasons().contains(&Reason::Trigger));
+}
+
+#[test]
+fn no_gap_between_runs_is_longer_than_the_failsafe_even_without_a_gyroscope() {
+    let mut bench = Bench::armed(short_warm_up());
+    bench.milliseconds(6_000, gusty);
+    bench.milliseconds(3_000, |_| None);
+    bench.milliseconds(3_000, gusty);
+    let longest = bench
+        .outputs
+        .windows(2)
+        .map(|pair| pair[1].0 - pair[0].0)
+        .max()
+        .expect("runs");
+    let bound = SETTINGS.failsafe + HYPERPERIOD;
+    assert!(longest <= bound.ticks(), "{longest} us");
+    assert!(bench.autopilot.faults(Fault::ImuSilent) > 0);
+}
+
+#[test]
+fn a_lost_gyroscope_falls_back_and_warms_up_again_when_it_returns() {
+    let mut bench = Bench::armed(short_warm_up());
+    bench.milliseconds(6_000, gusty);
+    bench.milliseconds(500, |_| None);
+    assert!(matches!(bench.phase(), Phase::Fallback(_)));
+    bench.milliseconds(10, gusty);
+    assert_eq!(bench.phase(), Phase::WarmUp);
+}
+
+#[test]
+fn a_chip_interrupt_without_gating_samples_runs_at_one_and_a_half_periods() {
+    let mut bench = Bench::armed(short_warm_up());
+    bench.milliseconds(6_000, gusty);
+    let now = at_micros(bench.now + 300);
+    let next = bench
+        .autopilot
+        .on_chip_accel(now, [0, 0, -8192], Cause::Threshold);
+    let Next::HyperperiodAt(at) = next else {
+        panic!("{next:?}");
+    };
+    assert_eq!(span(at_micros(bench.now), at), HYPERPERIOD * 3 / 2);
+    assert!(bench.autopilot.on_hyperperiod(now).is_none());
+    assert!(bench.autopilot.on_hyperperiod(at).is_some());
+}
+
+#[test]
+fn in_reactive_control_the_chip_is_told_its_threshold() {
+    let mut bench = Bench::armed(short_warm_up());
+    for step in 0..10_000 {
+        bench.milliseconds(1, gusty);
+        if step % 10 == 0 {
+            let gust = gusty(bench.now).unwrap_or(0);
+            let now = at_micros(bench.now);
+            let counts = [gust * 16, 0, -8192];
+            let _ = bench.autopilot.on_chip_accel(now, counts, Cause::DataReady);
+        }
+        while let Some(order) = bench.autopilot.next_order() {
+            bench.autopilot.on_order_done(at_micros(bench.now), order, Ok(()));
+        }
+    }
+    let told = bench.autopilot.recorder.iter().any(|stamped| {
+        matches!(stamped.call, Call::OrderDone(ChipOrder::AccelThreshold(code), _) if code > 0)
+    });
+    assert!(told, "{:?}", bench.autopilot.fit(Input::ChipAccel));
+}
+
+#[test]
+fn periodic_control_runs_at_its_period_and_learns_nothing() {
+    let mut bench = Bench::armed(Settings {
+        policy: Policy::Periodic(micros(10_000)),
+        ..SETTINGS
+    });
+    bench.milliseconds(20, gusty);
+    let before = bench.outputs.len();
+    bench.milliseconds(5_000, gusty);
+    assert_eq!(bench.outputs.len() - before, 500);
+    assert_eq!(bench.autopilot.fit(Input::Gyro), Fit::Unfit);
+}
+
+#[test]
+fn a_silent_peer_leaves_the_drone_level() {
+    let mut bench = Bench::armed(SETTINGS);
+    bench.milliseconds(3_000, gusty);
+    let mut lost = false;
+    while let Some(event) = bench.autopilot.next_event() {
+        lost |= event == Event::SetpointLost;
+    }
+    // The queue is short and full of runs: the setpoint itself shows it too.
+    let level = bench.autopilot.graph.setpoint().attitude;
+    assert!(lost || level == Some(crate::math::Quaternion::IDENTITY));
+}
+
+#[test]
+fn the_recorded_calls_give_the_same_commands_bit_for_bit() {
+    let mut bench = Bench::armed(short_warm_up());
+    bench.milliseconds(8_000, gusty);
+    let mut again = Autopilot::new(short_warm_up(), Vec::new());
+    for stamped in &bench.autopilot.recorder {
+        stamped.call.replay(stamped.at, &mut again);
+    }
+    assert!(bench.autopilot.recorder == again.recorder);
+}
+
+#[test]
+fn every_recorded_call_survives_its_bytes() {
+    let mut bench = Bench::armed(short_warm_up());
+    bench.milliseconds(6_000, gusty);
+    for stamped in &bench.autopilot.recorder {
+        let mut buffer = [0; LONGEST_RECORD];
+        let bytes = stamped.encode(&mut buffer);
+        assert_eq!(Stamped::decode(bytes), Ok((*stamped, bytes.len())));
+        for end in 0..bytes.len() {
+            assert_eq!(Stamped::decode(&bytes[..end]), Err(DecodeError::Incomplete));
+        }
+    }
+}

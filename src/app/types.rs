@@ -1,0 +1,129 @@
+//! The small types of the autopilot's door.
+
+use crate::time::Instant;
+
+/// What the board does next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[must_use]
+pub enum Next {
+    /// Nothing: the applied commands are still good.
+    Wait,
+    /// Raise the hyperperiod task now.
+    Hyperperiod,
+    /// Raise it at this instant at the latest, should no gating sample end the hyperperiod.
+    HyperperiodAt(Instant),
+}
+
+/// Declares a numbered enum together with its way back from the number.
+macro_rules! numbered {
+    ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident,)* }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[cfg_attr(target_os = "none", derive(defmt::Format))]
+        #[repr(u8)]
+        pub enum $name { $($(#[$variant_doc])* $variant,)* }
+
+        impl $name {
+            /// All of them, in the order of their numbers.
+            pub const ALL: &[Self] = &[$(Self::$variant,)*];
+
+            /// How many there are.
+            pub const COUNT: usize = Self::ALL.len();
+
+            /// The one of a number, `None` past the last.
+            #[must_use]
+            pub fn from_number(number: u8) -> Option<Self> {
+                Self::ALL.get(usize::from(number)).copied()
+            }
+        }
+    };
+}
+
+numbered! {
+    /// Why control ran.
+    Reason {
+        /// Time-triggered, to learn.
+        WarmUp,
+        /// Some input's change called for it.
+        Trigger,
+        /// No run for `T_failsafe`.
+        Failsafe,
+        /// The setpoint moved past its quantum.
+        Setpoint,
+        /// Rare and random, to label what the thresholds hide.
+        Exploration,
+        /// Time-triggered, by policy.
+        Periodic,
+        /// Time-triggered, because reactive control was left.
+        Fallback,
+        /// Time-triggered on the ground.
+        Ground,
+    }
+}
+
+numbered! {
+    /// What can go wrong outside the portable code.
+    Fault {
+        /// The MPU6050's bus reported an error, or hung and was recovered.
+        ImuBus,
+        /// A sample was due before the one before had been received.
+        ImuOverrun,
+        /// A burst repeated an old sample.
+        ImuStale,
+        /// The MPU6050's configuration is not what was written.
+        ImuConfiguration,
+        /// No MPU6050 sample for two failsafe periods.
+        ImuSilent,
+        /// The LSM303AGR's bus reported an error.
+        ChipBus,
+        /// The LSM303AGR's accelerometer did not answer for two failsafe periods.
+        AccelSilent,
+        /// The LSM303AGR's magnetometer did not answer for two failsafe periods.
+        MagSilent,
+        /// A link message found its queue full.
+        LinkOverrun,
+        /// A bounded queue of bus transactions was full.
+        BusQueue,
+    }
+}
+
+/// What the LSM303AGR shall do next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum ChipOrder {
+    /// Interrupt at every accelerometer sample.
+    AccelDataReady,
+    /// Interrupt past this threshold code, 1 to 127; read back and check.
+    AccelThreshold(u8),
+    /// Make the present accelerometer sample the reference, and deliver it.
+    AccelRearm,
+    /// Interrupt at every magnetometer sample.
+    MagDataReady,
+    /// Interrupt past this threshold code; read back and check.
+    MagThreshold(u16),
+    /// Make the present magnetometer sample the reference, and deliver it.
+    MagRearm,
+    /// Deliver an accelerometer sample and check the programmed threshold.
+    AccelHeartbeat,
+    /// Deliver a magnetometer sample and check the programmed threshold.
+    MagHeartbeat,
+}
+
+/// Why an order failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum OrderError {
+    /// The bus reported an error.
+    Bus,
+    /// A register does not hold what was written.
+    ReadBack {
+        /// Its address.
+        register: u8,
+        /// What was written.
+        wrote: u8,
+        /// What it holds.
+        read: u8,
+    },
+    /// The chip is not the one expected.
+    Identity,
+}

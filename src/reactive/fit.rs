@@ -1,0 +1,272 @@
+//! The fit of one input's model to its labels.
+//!
+//! Ordinary least squares on the logit of 0/1 labels, as published, is undefined. So: the logit
+//! of each bin's smoothed share, weighted least squares as a start, then Newton steps of the
+//! maximum likelihood on the same bins. Runs in idle, on a copy.
+
+use super::labels::Bin;
+use super::logistic::log_odds;
+use super::{Labels, Logistic};
+use crate::config::LABELS_OF_EACH_CLASS;
+use crate::sensors::Input;
+
+/// What the labels of an input say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum Fit {
+    /// Too few labels, one class only, or a probability that falls with the change.
+    Unfit,
+    /// Enough labels, and the change tells nothing: the input joins and never triggers.
+    Irrelevant,
+    /// The model.
+    Model(Logistic),
+}
+
+/// Labels to fit, copied out of the autopilot under one short lock.
+#[derive(Clone, Copy, Debug)]
+pub struct RefitJob {
+    /// Whose labels.
+    pub input: Input,
+    /// The labels.
+    pub labels: Labels,
+}
+
+/// A fit to swap in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub struct Refit {
+    /// Whose model.
+    pub input: Input,
+    /// What the labels say.
+    pub fit: Fit,
+}
+
+impl RefitJob {
+    /// Fits the model: the long part, done without any lock.
+    #[must_use]
+    pub fn fit(&self) -> Refit {
+        Refit {
+            input: self.input,
+            fit: fit(&self.labels),
+        }
+    }
+}
+
+/// Twice the log-likelihood that a slope must gain over a constant to be believed.
+///
+/// The 0.1 % point of the chi-square distribution of one degree of freedom.
+const EVIDENCE: f32 = 10.83;
+
+/// Newton steps after the start; the likelihood is concave, they converge quadratically.
+const NEWTON_STEPS: u8 = 8;
+
+/// Labels without any change, beyond which an input is taken for constant.
+const CONSTANT: f32 = 200.0;
+
+fn fit(labels: &Labels) -> Fit {
+    let occupied = labels.bins().count();
+    if occupied < 2 && labels.total() >= CONSTANT {
+        return Fit::Irrelevant;
+    }
+    if occupied < 2 || labels.of_rarer_class() < LABELS_OF_EACH_CLASS as f32 {
+        return Fit::Unfit;
+    }
+    // In units of the mean change, so that both coefficients are of order one.
+    let unit = labels.bins().map(|bin| bin.sum).sum::<f32>() / labels.total();
+    if !(unit > 0.0 && unit.is_finite()) {
+        return Fit::Unfit;
+    }
+    let Some(mut model) = least_squares(labels, unit) else {
+        return Fit::Unfit;
+    };
+    for _ in 0..NEWTON_STEPS {
+        match newton_step(labels, unit, model) {
+            Some(better) => model = better,
+            None => break,
+        }
+    }
+    judge(labels, unit, model)
+}
+
+fn judge(labels: &Labels, unit: f32, model: Logistic) -> Fit {
+    let slope = model.b2 / unit;
+    if !(model.b1.is_finite() && slope.is_finite() && slope > 0.0) {
+        return Fit::Unfit;
+    }
+    let share = labels.bins().map(|bin| bin.changed).sum::<f32>() / labels.total();
+    let constant = Logistic {
+        b1: log_odds(share),
+        b2: 0.0,
+    };
+    let gain = likelihood(labels, unit, model) - likelihood(labels, unit, constant);
+    if 2.0 * gain < EVIDENCE {
+        return Fit::Irrelevant;
+    }
+    Fit::Model(Logistic {
+        b1: model.b1,
+        b2: slope,
+    })
+}
+
+fn position(bin: &Bin, unit: f32) -> f32 {
+    bin.sum / (bin.weight * unit)
+}
+
+/// Weighted least squares on the smoothed logits of the bins.
+fn least_squares(labels: &Labels, unit: f32) -> Option<Logistic> {
+    let mut normal = Normal::default();
+    for bin in labels.bins() {
+        let logit = log_odds((bin.changed + 0.5) / (bin.weight + 1.0));
+        let share = (bin.changed + 0.5) / (bin.weight + 1.0);
+        let weight = bin.weight * share * (1.0 - share);
+        normal.add(position(bin, unit), logit, weight);
+    }
+    normal.solve()
+}
+
+/// One step of the maximum likelihood; `None` where it is at its end or fails to gain.
+fn newton_step(labels: &Labels, unit: f32, from: Logistic) -> Option<Logistic> {
+    let mut normal = Normal::default();
+    for bin in labels.bins() {
+        let x = position(bin, unit);
+        let share = from.probability(x);
+        let weight = (bin.weight * share * (1.0 - share)).max(1e-6);
+        let residual = (bin.changed - bin.weight * share) / weight;
+        normal.add(x, residual, weight);
+    }
+    let step = normal.solve()?;
+    let before = likelihood(labels, unit, from);
+    // Half the step until the likelihood gains: far out the quadratic model overshoots.
+    (0..6)
+        .map(|halvings| 1.0 / (1 << halvings) as f32)
+        .map(|share| Logistic {
+            b1: from.b1 + step.b1 * share,
+            b2: from.b2 + step.b2 * share,
+        })
+        .find(|to| likelihood(labels, unit, *to) > before)
+}
+
+fn likelihood(labels: &Labels, unit: f32, model: Logistic) -> f32 {
+    labels
+        .bins()
+        .map(|bin| {
+            let share = model
+                .probability(position(bin, unit))
+                .clamp(1e-6, 1.0 - 1e-6);
+            bin.changed * libm::logf(share) + (bin.weight - bin.changed) * libm::logf(1.0 - share)
+        })
+        .sum()
+}
+
+/// The normal equations of a line.
+#[derive(Default)]
+struct Normal {
+    weight: f32,
+    x: f32,
+    xx: f32,
+    y: f32,
+    xy: f32,
+}
+
+impl Normal {
+    fn add(&mut self, x: f32, y: f32, weight: f32) {
+        self.weight += weight;
+        self.x += weight * x;
+        self.xx += weight * x * x;
+        self.y += weight * y;
+        self.xy += weight * x * y;
+    }
+
+    fn solve(&self) -> Option<Logistic> {
+        let determinant = self.weight * self.xx - self.x * self.x;
+        let b2 = (self.weight * self.xy - self.x * self.y) / determinant;
+        let b1 = (self.y - b2 * self.x) / self.weight;
+        (determinant > 0.0 && b1.is_finite() && b2.is_finite()).then_some(Logistic { b1, b2 })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::{CHIP_MAG, GYRO};
+    use proptest::prelude::*;
+
+    /// Labels with exactly the expected share of *changed* at each change.
+    fn labelled(model: Logistic, changes: impl Iterator<Item = f32>) -> Labels {
+        let mut labels = Labels::new(&GYRO);
+        for x in changes {
+            let share = model.probability(x);
+            labels.add(x, true, 20.0 * share);
+            labels.add(x, false, 20.0 * (1.0 - share));
+        }
+        labels
+    }
+
+    proptest! {
+        #[test]
+        fn the_crossing_of_known_coefficients_is_found(
+            b1 in -3.0f32..0.0, crossing in 0.05f32..0.8
+        ) {
+            let truth = Logistic { b1, b2: (0.405 - b1) / crossing };
+            let labels = labelled(truth, (1..400).map(|i| i as f32 * 0.004));
+            let Fit::Model(found) = fit(&labels) else {
+                return Err(TestCaseError::fail("no model"));
+            };
+            let at = truth.probability(found.crossing(0.6));
+            prop_assert!((at - 0.6).abs() <= 0.03, "{at}");
+        }
+
+        #[test]
+        fn any_labels_give_finite_coefficients_or_none(
+            labels in prop::collection::vec((0.0f32..20.0, any::<bool>(), 0.0f32..300.0), 0..200)
+        ) {
+            let mut all = Labels::new(&GYRO);
+            for (x, changed, weight) in labels {
+                all.add(x, changed, weight);
+            }
+            if let Fit::Model(model) = fit(&all) {
+                prop_assert!(model.b1.is_finite() && model.b2.is_finite() && model.b2 > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn too_few_labels_of_one_class_are_unfit() {
+        let mut labels = Labels::new(&GYRO);
+        for i in 0..1000 {
+            labels.add(i as f32 * 0.001, i % 40 == 0, 1.0);
+        }
+        assert_eq!(fit(&labels), Fit::Unfit);
+    }
+
+    #[test]
+    fn a_probability_that_falls_with_the_change_is_unfit() {
+        let mut labels = Labels::new(&GYRO);
+        for i in 0..1000 {
+            labels.add(i as f32 * 0.001, i < 400, 1.0);
+        }
+        assert_eq!(fit(&labels), Fit::Unfit);
+    }
+
+    #[test]
+    fn a_constant_input_is_irrelevant() {
+        let mut labels = Labels::new(&CHIP_MAG);
+        for i in 0..1000 {
+            labels.add(0.0, i % 3 == 0, 1.0);
+        }
+        assert_eq!(fit(&labels), Fit::Irrelevant);
+    }
+
+    #[test]
+    fn separated_classes_still_give_a_finite_threshold_between_them() {
+        let mut labels = Labels::new(&GYRO);
+        for i in 0..1000 {
+            labels.add(i as f32 * 0.001, i >= 500, 1.0);
+        }
+        let Fit::Model(model) = fit(&labels) else {
+            panic!("no model");
+        };
+        let crossing = model.crossing(0.6);
+        assert!((0.3..0.7).contains(&crossing), "{crossing}");
+    }
+}

@@ -1,0 +1,142 @@
+//! Bounded statistics of one input: labels counted in bins of the change.
+//!
+//! A label is a change `x` and whether the command would have changed. Bins are spaced by the
+//! logarithm of `x`; each keeps the weight of its labels, the part that was *changed*, and the
+//! weighted sum of `x`, so that a bin speaks for the mean of what fell into it and not for its
+//! middle. 288 bytes an input, whatever the length of the flight.
+
+use crate::config::SensorInput;
+
+/// Number of bins.
+pub const BIN_COUNT: usize = 24;
+
+/// Labels of one input, by change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Labels {
+    bins: [Bin; BIN_COUNT],
+    smallest: f32,
+    per_bin: f32,
+    unchanged: f32,
+    changed: f32,
+}
+
+/// The labels whose change fell into one interval.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Bin {
+    /// Weight of all labels.
+    pub(super) weight: f32,
+    /// Weight of the labels that were *changed*.
+    pub(super) changed: f32,
+    /// Weighted sum of the changes.
+    pub(super) sum: f32,
+}
+
+/// A number that grows with the logarithm of a positive `x`: its bits.
+///
+/// The bits of a float are its exponent followed by its mantissa, a logarithm to base two with
+/// straight lines between powers: exact enough to space bins by, and one instruction.
+fn logarithm(x: f32) -> f32 {
+    (x.to_bits() >> 8) as f32
+}
+
+impl Labels {
+    /// No labels, bins spanning the input's changes.
+    #[must_use]
+    pub fn new(input: &SensorInput) -> Self {
+        let smallest = logarithm(input.smallest_change);
+        let span = logarithm(input.largest_change) - smallest;
+        Self {
+            bins: [Bin::default(); BIN_COUNT],
+            smallest,
+            per_bin: BIN_COUNT as f32 / span,
+            unchanged: 0.0,
+            changed: 0.0,
+        }
+    }
+
+    /// Counts a label; one that is not finite or negative, or of no weight, is ignored.
+    pub fn add(&mut self, x: f32, changed: bool, weight: f32) {
+        if !(x >= 0.0 && x.is_finite() && weight > 0.0 && weight.is_finite()) {
+            return;
+        }
+        let place = (logarithm(x) - self.smallest) * self.per_bin;
+        let place = (place.max(0.0) as usize).min(BIN_COUNT - 1);
+        let Some(bin) = self.bins.get_mut(place) else {
+            return;
+        };
+        bin.weight += weight;
+        bin.sum += weight * x;
+        if changed {
+            bin.changed += weight;
+            self.changed += weight;
+        } else {
+            self.unchanged += weight;
+        }
+    }
+
+    /// Forgets: every weight is multiplied by `share`, within 0 to 1.
+    pub fn fade(&mut self, share: f32) {
+        for bin in &mut self.bins {
+            bin.weight *= share;
+            bin.changed *= share;
+            bin.sum *= share;
+        }
+        self.changed *= share;
+        self.unchanged *= share;
+    }
+
+    /// The weight of labels of the rarer class.
+    #[must_use]
+    pub fn of_rarer_class(&self) -> f32 {
+        self.changed.min(self.unchanged)
+    }
+
+    /// The weight of all labels.
+    #[must_use]
+    pub fn total(&self) -> f32 {
+        self.changed + self.unchanged
+    }
+
+    /// Bins that hold labels.
+    pub(super) fn bins(&self) -> impl Iterator<Item = &Bin> + Clone {
+        self.bins.iter().filter(|bin| bin.weight > 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::GYRO;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_statistics_of_an_input_take_at_most_512_bytes() {
+        assert!(size_of::<Labels>() <= 512);
+    }
+
+    #[test]
+    fn labels_that_are_no_numbers_are_ignored() {
+        let mut labels = Labels::new(&GYRO);
+        for x in [f32::NAN, f32::INFINITY, -1.0] {
+            labels.add(x, true, 1.0);
+        }
+        labels.add(0.1, true, 0.0);
+        assert_eq!(labels.total(), 0.0);
+    }
+
+    proptest! {
+        #[test]
+        fn every_label_is_counted_once_and_bins_keep_their_mean(
+            xs in prop::collection::vec((0.0f32..10.0, any::<bool>()), 1..300)
+        ) {
+            let mut labels = Labels::new(&GYRO);
+            for &(x, changed) in &xs {
+                labels.add(x, changed, 1.0);
+            }
+            prop_assert_eq!(labels.total(), xs.len() as f32);
+            let sum: f32 = labels.bins().map(|bin| bin.sum).sum();
+            let expected: f32 = xs.iter().map(|(x, _)| x).sum();
+            prop_assert!((sum - expected).abs() <= 1e-3 * expected.max(1.0));
+        }
+    }
+}

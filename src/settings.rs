@@ -1,0 +1,143 @@
+//! Options that reach the unmodified firmware: a versioned, checksummed block of bytes.
+//!
+//! A replay (or a bootloader) writes the block to the symbol `REFLEX_SETTINGS` in memory that
+//! start-up leaves alone. Absent or wrong in any way, the defaults built from `config/` hold,
+//! so that a board that was just powered behaves as configured.
+
+use crate::config;
+use crate::time::{Duration, micros};
+
+mod block;
+
+pub use block::{BLOCK_LENGTH, BlockError};
+
+/// When control runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum Policy {
+    /// When a sensor's change calls for it.
+    Reactive,
+    /// Time-triggered with this period, at the first hyperperiod's end that reaches it.
+    Periodic(Duration),
+}
+
+/// What a change is measured against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum Reference {
+    /// The sample before, as published (Bregu et al. 2016, section 4).
+    PreviousSample,
+    /// The sample that the last run used.
+    LastRun,
+}
+
+/// How long control runs time-triggered to learn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum WarmUp {
+    /// Until every relevant model has its labels and is stable, 3 s to `T_boot`.
+    Automatic,
+    /// For exactly this long.
+    Fixed(Duration),
+}
+
+/// How a motor command becomes a pulse.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum MotorProtocol {
+    /// 125 to 250 us, 2000 times a second.
+    OneShot125,
+    /// 1000 to 2000 us, 400 times a second.
+    Pwm,
+}
+
+/// Everything a replay may choose without a rebuild.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub struct Settings {
+    /// When control runs.
+    pub policy: Policy,
+    /// What a change is measured against.
+    pub reference: Reference,
+    /// Probability of a changed command above which a change calls for a run, within (0, 1).
+    pub p_run: f32,
+    /// How long control runs time-triggered to learn.
+    pub warm_up: WarmUp,
+    /// The longest time between runs, longer than a hyperperiod, at most 1 s.
+    pub failsafe: Duration,
+    /// The change of a motor command that counts, as a share of full scale within (0, 0.5].
+    pub quantum: f32,
+    /// How a motor command becomes a pulse.
+    pub motors: MotorProtocol,
+    /// Seed of the exploration runs.
+    pub seed: u32,
+}
+
+/// Why settings are refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum SettingsError {
+    /// `p_run` is not within (0, 1).
+    PRun,
+    /// `failsafe` is not longer than two hyperperiods, or longer than 1 s.
+    Failsafe,
+    /// `quantum` is not within (0, 0.5].
+    Quantum,
+    /// A periodic policy's period is shorter than a hyperperiod or longer than 1 s.
+    Period,
+    /// A fixed warm-up is longer than `T_boot`.
+    WarmUp,
+}
+
+impl core::fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::PRun => "p_run must lie between 0 and 1, both excluded",
+            Self::Failsafe => "failsafe must be longer than two hyperperiods (2 ms) and at most 1 s",
+            Self::Quantum => "quantum must be above 0 and at most half of full scale",
+            Self::Period => "the periodic rate must lie between 1 Hz and 1000 Hz",
+            Self::WarmUp => "a fixed warm-up must not be longer than 30 s",
+        })
+    }
+}
+
+impl core::error::Error for SettingsError {}
+
+impl Default for Settings {
+    fn default() -> Self {
+        config::SETTINGS
+    }
+}
+
+/// The longest interval that the failsafe and a period may have.
+const SLOWEST: Duration = micros(1_000_000);
+
+impl Settings {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// The first field that is out of its range, in the order of the fields.
+    pub fn validate(&self) -> Result<(), SettingsError> {
+        let shortest = config::HYPERPERIOD;
+        if let Policy::Periodic(period) = self.policy
+            && !(shortest..=SLOWEST).contains(&period)
+        {
+            return Err(SettingsError::Period);
+        }
+        if !(self.p_run > 0.0 && self.p_run < 1.0) {
+            return Err(SettingsError::PRun);
+        }
+        if let WarmUp::Fixed(length) = self.warm_up
+            && length > config::LONGEST_WARM_UP
+        {
+            return Err(SettingsError::WarmUp);
+        }
+        if self.failsafe <= shortest * 2 || self.failsafe > SLOWEST {
+            return Err(SettingsError::Failsafe);
+        }
+        if !(self.quantum > 0.0 && self.quantum <= 0.5) {
+            return Err(SettingsError::Quantum);
+        }
+        Ok(())
+    }
+}
