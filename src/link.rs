@@ -1,0 +1,54 @@
+//! The link: MAVLink 2 over a serial line, from bytes to checked messages and back.
+//!
+//! [`Parser`] turns bytes in any chunking into [`Incoming`] messages, [`Sender`] makes the
+//! few frames that the drone sends. Only what is flown is decoded: HEARTBEAT,
+//! SET_ATTITUDE_TARGET, COMMAND_LONG and ODOMETRY. The crate `mavlink` supplies the
+//! messages' layouts, checksums and enumerations; its reader is left out, because it decodes
+//! the whole dialect (hundreds of messages, more than the flash budget).
+//!
+//! Promises:
+//! - A malformed, truncated or implausible frame changes nothing and is counted
+//!   ([`LinkCounters`]). No value that is infinite or not a number passes.
+//! - Nothing is delivered late: a frame that is not complete [`PATIENCE`] after its first byte
+//!   is dropped, so noise cannot hold back a command to arm and release it seconds later.
+//! - What lies inside a frame is never read as a frame while the outer one may be sound: a
+//!   recorded flight that passes through as payload (file transfer, tunnel) arms nothing.
+//!
+//! Limits:
+//! - Signatures are skipped, not checked: whoever can write to the line can fly the drone.
+//! - MAVLink 1 frames are skipped. Their payload is not looked at.
+//! - Noise that looks like the start of a frame of another kind takes up to 267 following
+//!   bytes with it, or [`PATIENCE`], whichever ends first.
+
+mod counters;
+mod decode;
+mod encode;
+mod framing;
+mod message;
+mod parser;
+mod peers;
+#[cfg(test)]
+mod tests;
+
+pub use counters::LinkCounters;
+pub use encode::{Frame, LONGEST_FRAME_OUT, Sender, Status};
+pub use message::{Answer, ExternalPose, Message};
+pub use parser::{Feed, Incoming, Parser};
+pub use peers::Peer;
+
+use crate::time::{Duration, micros};
+use mavlink::dialects::common::MavCmd;
+
+/// The drone's MAVLink system number.
+pub const SYSTEM: u8 = 1;
+
+/// The autopilot's MAVLink component number (MAV_COMP_ID_AUTOPILOT1).
+pub const COMPONENT: u8 = 1;
+
+/// Number of the command that arms and disarms (MAV_CMD_COMPONENT_ARM_DISARM).
+pub const ARM_DISARM: u16 = MavCmd::MAV_CMD_COMPONENT_ARM_DISARM as u16;
+
+/// How long a frame may take to arrive.
+///
+/// The longest takes 6 ms at 460800 baud; radios and USB adapters add gaps of tens of ms.
+pub const PATIENCE: Duration = micros(100_000);

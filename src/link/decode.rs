@@ -1,0 +1,211 @@
+//! From a frame to a checked message.
+//!
+//! | MAVLink message | becomes | refused where |
+//! |---|---|---|
+//! | HEARTBEAT | [`Message::Heartbeat`] | never: that it arrived is what counts |
+//! | SET_ATTITUDE_TARGET | [`Message::Setpoint`] | see [`setpoint`] |
+//! | COMMAND_LONG | [`Message::Arm`] | any other command, or its parameter is not 0 or 1 |
+//! | ODOMETRY | [`Message::Pose`] | see [`pose`] |
+//!
+//! The bounds on values are far outside of flight. They are there because finite numbers can
+//! be large enough to overflow in the control logic.
+
+use super::framing::RawFrame;
+use super::{ARM_DISARM, COMPONENT, ExternalPose, Message, SYSTEM};
+use crate::control::{Setpoint, Yaw};
+use crate::math::{Quaternion, Vec3};
+use crate::units::{BodyRates, Position, Thrust, Velocity};
+use mavlink::dialects::common::{
+    AttitudeTargetTypemask as Mask, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavFrame, ODOMETRY_DATA,
+    SET_ATTITUDE_TARGET_DATA,
+};
+use mavlink::{MavlinkVersion, MessageData};
+
+/// Largest body rate accepted, in rad/s: three times the gyroscope's range.
+const LARGEST_RATE: f32 = 100.0;
+
+/// Largest distance from the local origin accepted, in metres.
+const LARGEST_DISTANCE: f32 = 100_000.0;
+
+/// Largest speed accepted, in m/s.
+const LARGEST_SPEED: f32 = 1000.0;
+
+/// Place of ODOMETRY's field `quality`, an extension that older senders leave out.
+const ODOMETRY_QUALITY: usize = 232;
+
+/// What became of a frame whose checksum holds.
+pub(super) enum Decoded {
+    Message(Message),
+    /// A command for us that is not ours to do; its number is owed an answer.
+    UnsupportedCommand(u16),
+    /// No payload.
+    Empty,
+    /// Addressed to another system or component.
+    NotForUs,
+    /// A value that is not a number, out of range or not supported.
+    Refused,
+}
+
+/// Decodes one of the messages used.
+pub(super) fn decode(frame: &RawFrame<'_>) -> Decoded {
+    let payload = frame.payload;
+    if payload.is_empty() {
+        return Decoded::Empty;
+    }
+    match frame.id {
+        HEARTBEAT_DATA::ID => Decoded::Message(Message::Heartbeat),
+        SET_ATTITUDE_TARGET_DATA::ID => attitude_target(payload),
+        COMMAND_LONG_DATA::ID => command(payload),
+        ODOMETRY_DATA::ID => odometry(payload),
+        _ => Decoded::Refused,
+    }
+}
+
+/// True where a message is addressed to us or to all.
+fn for_us(system: u8, component: u8) -> bool {
+    matches!(system, 0 | SYSTEM) && matches!(component, 0 | COMPONENT)
+}
+
+fn attitude_target(payload: &[u8]) -> Decoded {
+    match SET_ATTITUDE_TARGET_DATA::deser(MavlinkVersion::V2, payload) {
+        Ok(target) if !for_us(target.target_system, target.target_component) => Decoded::NotForUs,
+        Ok(target) => setpoint(&target).map_or(Decoded::Refused, |it| {
+            Decoded::Message(Message::Setpoint(it))
+        }),
+        Err(_) => Decoded::Refused,
+    }
+}
+
+/// The demand in a SET_ATTITUDE_TARGET; `None` where it is refused.
+///
+/// Fields that `type_mask` ignores may hold anything. An ignored attitude means that rates
+/// alone are flown; ignored rates are zero. A yaw rate that is not ignored frees the heading,
+/// otherwise the attitude's heading is held, as PX4 and ArduPilot do.
+///
+/// Refused: a thrust that is ignored, as by ArduPilot, because there is no other source of
+/// thrust; a thrust given as a vector (extension `thrust_body`); a mask that ignores the
+/// attitude and all rates; thrust outside 0 to 1; a quaternion that is not of unit length;
+/// rates beyond 100 rad/s.
+fn setpoint(target: &SET_ATTITUDE_TARGET_DATA) -> Option<Setpoint> {
+    let ignores = |what: Mask| target.type_mask.contains(what);
+    let rate = |ignored: Mask, value: f32| if ignores(ignored) { 0.0 } else { value };
+    let no_attitude = ignores(Mask::ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE);
+    let no_roll = Mask::ATTITUDE_TARGET_TYPEMASK_BODY_ROLL_RATE_IGNORE;
+    let no_pitch = Mask::ATTITUDE_TARGET_TYPEMASK_BODY_PITCH_RATE_IGNORE;
+    let no_yaw = Mask::ATTITUDE_TARGET_TYPEMASK_BODY_YAW_RATE_IGNORE;
+    if ignores(Mask::ATTITUDE_TARGET_TYPEMASK_THROTTLE_IGNORE)
+        || ignores(Mask::ATTITUDE_TARGET_TYPEMASK_THRUST_BODY_SET)
+        || (no_attitude && ignores(no_roll | no_pitch | no_yaw))
+    {
+        return None;
+    }
+    let attitude = if no_attitude {
+        None
+    } else {
+        Some(Quaternion::from_array(target.q)?)
+    };
+    let rates = Vec3::new(
+        rate(no_roll, target.body_roll_rate),
+        rate(no_pitch, target.body_pitch_rate),
+        rate(no_yaw, target.body_yaw_rate),
+    );
+    // Without an attitude there is no heading to hold.
+    let heading_held = ignores(no_yaw) && !no_attitude;
+    Some(Setpoint {
+        attitude,
+        rates: BodyRates(within(rates, LARGEST_RATE)?),
+        yaw: if heading_held {
+            Yaw::Heading
+        } else {
+            Yaw::Rate
+        },
+        thrust: Thrust::new(target.thrust)?,
+    })
+}
+
+/// Reads COMMAND_LONG field by field.
+///
+/// The crate's own reading refuses commands that its enumeration lacks, but those are owed an
+/// answer as well. Arming is never forced (`param2` 21196): the checks hold for everyone.
+fn command(payload: &[u8]) -> Decoded {
+    let mut fields = [0; COMMAND_LONG_DATA::ENCODED_LEN];
+    // Trailing zeros are not sent.
+    for (field, sent) in fields.iter_mut().zip(payload) {
+        *field = *sent;
+    }
+    let [
+        p0,
+        p1,
+        p2,
+        p3,
+        ..,
+        low,
+        high,
+        system,
+        component,
+        _confirmation,
+    ] = fields;
+    let number = u16::from_le_bytes([low, high]);
+    let parameter = f32::from_le_bytes([p0, p1, p2, p3]);
+    if !for_us(system, component) {
+        return Decoded::NotForUs;
+    }
+    match (number, parameter) {
+        (ARM_DISARM, 0.0) => Decoded::Message(Message::Arm(false)),
+        (ARM_DISARM, 1.0) => Decoded::Message(Message::Arm(true)),
+        _ => Decoded::UnsupportedCommand(number),
+    }
+}
+
+fn odometry(payload: &[u8]) -> Decoded {
+    let quality = payload.get(ODOMETRY_QUALITY).copied().unwrap_or(0);
+    let failed = i8::from_le_bytes([quality]) < 0;
+    match ODOMETRY_DATA::deser(MavlinkVersion::V2, payload) {
+        Ok(odometry) if !failed => {
+            pose(&odometry).map_or(Decoded::Refused, |it| Decoded::Message(Message::Pose(it)))
+        }
+        _ => Decoded::Refused,
+    }
+}
+
+/// The pose in an ODOMETRY; `None` where it is refused.
+///
+/// `frame_id` is MAV_FRAME_LOCAL_NED, or MAV_FRAME_LOCAL_FRD for a local frame whose x axis
+/// points anywhere; it becomes the drone's local frame. `child_frame_id` names the axes of the
+/// velocity: the same frame, or MAV_FRAME_BODY_FRD, which is turned into the local frame by the
+/// attitude. The attitude `q` turns body axes into local axes; its first element not a number
+/// says that there is none. Covariances and angular speeds are not used.
+///
+/// Refused: other frames (the ENU and FLU of ROS among them); a velocity in body axes without
+/// an attitude; a position or velocity that is not a number or beyond 100 km or 1000 m/s; a
+/// quaternion that is not of unit length; a `quality` below zero (the estimator has failed).
+fn pose(odometry: &ODOMETRY_DATA) -> Option<ExternalPose> {
+    let attitude = match odometry.q {
+        [w, ..] if w.is_nan() => None,
+        q => Some(Quaternion::from_array(q)?),
+    };
+    let position = Vec3::new(odometry.x, odometry.y, odometry.z);
+    let position = within(position, LARGEST_DISTANCE)?;
+    let velocity = Vec3::new(odometry.vx, odometry.vy, odometry.vz);
+    let velocity = within(velocity, LARGEST_SPEED)?;
+    let velocity = match (odometry.frame_id, odometry.child_frame_id) {
+        (MavFrame::MAV_FRAME_LOCAL_NED, MavFrame::MAV_FRAME_LOCAL_NED)
+        | (MavFrame::MAV_FRAME_LOCAL_FRD, MavFrame::MAV_FRAME_LOCAL_FRD) => velocity,
+        (
+            MavFrame::MAV_FRAME_LOCAL_NED | MavFrame::MAV_FRAME_LOCAL_FRD,
+            MavFrame::MAV_FRAME_BODY_FRD,
+        ) => attitude?.to_earth(velocity),
+        _ => return None,
+    };
+    Some(ExternalPose {
+        position: Position(position),
+        velocity: Velocity(velocity),
+        attitude,
+    })
+}
+
+/// The vector, where every axis is a number within the bound.
+fn within(vector: Vec3, bound: f32) -> Option<Vec3> {
+    let inside = |value: f32| (-bound..=bound).contains(&value);
+    (inside(vector.x) && inside(vector.y) && inside(vector.z)).then_some(vector)
+}

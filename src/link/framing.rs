@@ -1,0 +1,174 @@
+//! Where a frame begins and ends, and whether its checksum holds.
+//!
+//! A frame of the messages used whose checksum fails is searched again from its second byte,
+//! so that a truncated frame does not take the next one with it. Frames of other kinds have no
+//! checksum that could be verified; they are skipped by their length and never searched,
+//! because their payload may quote frames that were not meant for us. The price: a frame cut
+//! short within its header may take the next one with it, like noise that looks like a start.
+//! Setpoints follow one another, and commands are repeated until they are answered.
+
+use super::peers::Peer;
+use crate::time::Instant;
+use mavlink::calculate_crc;
+use mavlink::consts::v2::{IFLAG_SIGNED, SIGNATURE_SIZE};
+use mavlink::dialects::common::{
+    COMMAND_LONG_DATA, HEARTBEAT_DATA, ODOMETRY_DATA, SET_ATTITUDE_TARGET_DATA,
+};
+use mavlink::{MAV_STX, MAV_STX_V2, MessageData};
+
+/// Bytes of a MAVLink 1 frame beside its payload.
+const OVERHEAD_1: usize = 8;
+
+/// Bytes of a MAVLink 2 frame beside its payload and signature.
+const OVERHEAD_2: usize = 12;
+
+/// Longest frame: 255 bytes of payload, signed.
+pub(super) const LONGEST_FRAME: usize = OVERHEAD_2 + 255 + SIGNATURE_SIZE;
+
+/// A frame as it was sent.
+#[derive(Clone, Copy)]
+pub(super) struct RawFrame<'a> {
+    pub from: Peer,
+    pub sequence: u8,
+    pub id: u32,
+    pub payload: &'a [u8],
+}
+
+/// What the bytes held so far begin with.
+pub(super) enum Candidate<'a> {
+    /// A frame that may be sound, but is not complete.
+    Incomplete,
+    /// A frame of a message used, checksum verified, of so many bytes.
+    Sound(RawFrame<'a>, usize),
+    /// A frame of a message not used, unverified, of so many bytes.
+    Unknown(RawFrame<'a>, usize),
+    /// A MAVLink 1 frame of so many bytes.
+    Version1(usize),
+    /// No start of a frame.
+    Garbage,
+    /// A start of a frame with flags that change the layout in ways not known here.
+    BadFlags,
+    /// A frame of a message used with a wrong checksum.
+    BadChecksum,
+}
+
+/// Judges the bytes held so far.
+pub(super) fn examine(held: &[u8]) -> Candidate<'_> {
+    match *held {
+        [] | [MAV_STX | MAV_STX_V2] | [MAV_STX_V2, _] => Candidate::Incomplete,
+        [MAV_STX, length, ..] => {
+            let total = OVERHEAD_1 + usize::from(length);
+            if held.len() < total {
+                return Candidate::Incomplete;
+            }
+            Candidate::Version1(total)
+        }
+        [MAV_STX_V2, _, flags, ..] if flags & !IFLAG_SIGNED != 0 => Candidate::BadFlags,
+        [MAV_STX_V2, length, flags, ..] => {
+            let signed = flags & IFLAG_SIGNED != 0;
+            examine_complete(held, usize::from(length), signed).unwrap_or(Candidate::Incomplete)
+        }
+        _ => Candidate::Garbage,
+    }
+}
+
+/// Judges a MAVLink 2 frame; `None` where it is not complete.
+fn examine_complete(held: &[u8], length: usize, signed: bool) -> Option<Candidate<'_>> {
+    let total = OVERHEAD_2 + length + if signed { SIGNATURE_SIZE } else { 0 };
+    if held.len() < total {
+        return None;
+    }
+    let (header, rest) = held.split_first_chunk::<10>()?;
+    let (payload, rest) = rest.split_at_checked(length)?;
+    let sent = u16::from_le_bytes(*rest.first_chunk()?);
+    let [_, _, _, _, sequence, system, component, id @ ..] = *header;
+    let [low, middle, high] = id;
+    let frame = RawFrame {
+        from: Peer { system, component },
+        sequence,
+        id: u32::from_le_bytes([low, middle, high, 0]),
+        payload,
+    };
+    let Some(extra) = checksum_extra(frame.id) else {
+        return Some(Candidate::Unknown(frame, total));
+    };
+    let sums = held.get(1..header.len() + length)?;
+    Some(if calculate_crc(sums, extra) == sent {
+        Candidate::Sound(frame, total)
+    } else {
+        Candidate::BadChecksum
+    })
+}
+
+/// The byte that ties a checksum to a message's layout; `None` for messages not used.
+fn checksum_extra(id: u32) -> Option<u8> {
+    match id {
+        HEARTBEAT_DATA::ID => Some(HEARTBEAT_DATA::EXTRA_CRC),
+        SET_ATTITUDE_TARGET_DATA::ID => Some(SET_ATTITUDE_TARGET_DATA::EXTRA_CRC),
+        COMMAND_LONG_DATA::ID => Some(COMMAND_LONG_DATA::EXTRA_CRC),
+        ODOMETRY_DATA::ID => Some(ODOMETRY_DATA::EXTRA_CRC),
+        _ => None,
+    }
+}
+
+/// The bytes of one unfinished frame, and when the oldest of them arrived.
+pub(super) struct Held {
+    bytes: [u8; LONGEST_FRAME],
+    length: usize,
+    since: Instant,
+}
+
+impl Held {
+    pub const fn new() -> Self {
+        Self {
+            bytes: [0; LONGEST_FRAME],
+            length: 0,
+            since: Instant::from_ticks(0),
+        }
+    }
+
+    pub fn as_slice(&self) -> &[u8] {
+        self.bytes.get(..self.length).unwrap_or_default()
+    }
+
+    /// When the oldest byte arrived; `None` where nothing is held.
+    pub fn since(&self) -> Option<Instant> {
+        (self.length > 0).then_some(self.since)
+    }
+
+    /// Adds a byte. There is room: a frame as long as the buffer is complete, hence taken.
+    pub fn push(&mut self, at: Instant, byte: u8) {
+        if self.length == 0 {
+            self.since = at;
+        }
+        if let Some(free) = self.bytes.get_mut(self.length) {
+            *free = byte;
+            self.length += 1;
+        }
+    }
+
+    /// Forgets the first `count` bytes.
+    pub fn take(&mut self, count: usize) {
+        let end = self.length.min(LONGEST_FRAME);
+        let count = count.min(end);
+        self.bytes.copy_within(count..end, 0);
+        self.length = end - count;
+    }
+
+    /// Forgets the first byte and all up to the next start of a frame; how many they were.
+    pub fn take_to_next_start(&mut self) -> usize {
+        let next = self
+            .as_slice()
+            .iter()
+            .skip(1)
+            .position(|byte| matches!(*byte, MAV_STX | MAV_STX_V2));
+        let count = next.map_or(self.length, |behind| behind + 1);
+        self.take(count);
+        count
+    }
+
+    /// Forgets everything.
+    pub fn clear(&mut self) {
+        self.length = 0;
+    }
+}
