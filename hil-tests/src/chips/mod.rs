@@ -1,0 +1,34 @@
+//! Register-level models of the flight sensors, written from their datasheets.
+//!
+//! The firmware under test talks to these models byte by byte, through the
+//! emulated buses, and must find in them what it would find in the chips: data
+//! at the programmed rate with a free-running oscillator, quantisation and
+//! clipping, filters, threshold generators, latches and status bits. They know
+//! neither the emulator nor the drivers.
+//!
+//! **Time.** Virtual time comes in as nanoseconds and only moves forward.
+//! A model is advanced lazily: every entry takes `now_ns` and first produces
+//! all samples due until then. The samples depend on the seed, the signal and
+//! the configuration alone, never on how often a chip is asked.
+//! [`I2cChip::next_event`] and [`SpiChip::next_event`] name the next instant at
+//! which an interrupt pin can change, so that a board can be there in time.
+//!
+//! **Terms.** *Stimulus*: the true motion and field at the chip, in the chip's
+//! own axes ([`Stimulus`]). *Code*: what a register holds.
+
+pub mod bus;
+pub mod filter;
+pub mod lsm303agr;
+pub mod mpu6050;
+pub mod noise;
+pub mod options;
+pub mod oscillator;
+pub mod stimulus;
+#[cfg(test)]
+mod testing;
+
+pub use bus::{I2cChip, SpiChip};
+pub use lsm303agr::Lsm303agr;
+pub use mpu6050::Mpu6050;
+pub use options::{ChipOptions, Present};
+pub use stimulus::{Stimulus, StimulusSource};

@@ -1,0 +1,32 @@
+//! The true motion and field a chip is exposed to, as a function of time.
+
+/// Standard gravity in m/s2: what the datasheets call 1 g.
+pub const STANDARD_GRAVITY: f64 = 9.806_65;
+
+/// What the sensors feel at one instant, in the chip's own axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stimulus {
+    /// Angular rate, rad/s.
+    pub gyro: [f64; 3],
+    /// Specific force (what an accelerometer feels: +1 g up at rest), m/s2.
+    pub specific_force: [f64; 3],
+    /// Magnetic field, gauss.
+    pub magnetic_field: [f64; 3],
+    /// Temperature of the die, degrees Celsius.
+    pub temperature_c: f64,
+}
+
+/// A signal over virtual time; must be a pure function of the instant.
+pub trait StimulusSource: Send + Sync {
+    /// The stimulus at `at_ns`.
+    ///
+    /// Chips ask about 9000 times per second and in nearly rising order (the
+    /// filters' pure delays differ), so it should be cheap.
+    fn at(&self, at_ns: u64) -> Stimulus;
+}
+
+impl<F: Fn(u64) -> Stimulus + Send + Sync> StimulusSource for F {
+    fn at(&self, at_ns: u64) -> Stimulus {
+        self(at_ns)
+    }
+}
