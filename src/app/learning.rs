@@ -50,7 +50,14 @@ impl Learner {
     }
 
     /// Swaps a fit in; keeps count of how long the threshold has been stable.
+    ///
+    /// Where labels became too few to fit again, what they said while there were enough stays:
+    /// a threshold that hides changes also starves its own labels.
     fn swap(&mut self, fit: Fit) {
+        let starved = self.labels.of_rarer_class() < LABELS_OF_EACH_CLASS as f32;
+        if fit == Fit::Unfit && starved && self.trigger.fit() != Fit::Unfit {
+            return;
+        }
         let before = self.trigger.model().map(|_| self.trigger.threshold());
         self.trigger.set_fit(fit);
         let after = self.trigger.model().map(|_| self.trigger.threshold());

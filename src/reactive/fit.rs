@@ -14,9 +14,13 @@ use crate::sensors::Input;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum Fit {
-    /// Too few labels, one class only, or a probability that falls with the change.
+    /// Too few labels, one class only, or no finite coefficients.
+    ///
+    /// For the gyroscope also a change that tells nothing: all else is measured against it.
     Unfit,
-    /// Enough labels, and the change tells nothing: the input joins and never triggers.
+    /// Enough labels, and the change tells nothing, or less the larger it is: a model with a
+    /// rising probability explains the labels no better than a constant. The input joins and
+    /// never triggers.
     Irrelevant,
     /// The model.
     Model(Logistic),
@@ -45,9 +49,13 @@ impl RefitJob {
     /// Fits the model: the long part, done without any lock.
     #[must_use]
     pub fn fit(&self) -> Refit {
+        let fit = match fit(&self.labels) {
+            Fit::Irrelevant if self.input == Input::Gyro => Fit::Unfit,
+            fit => fit,
+        };
         Refit {
             input: self.input,
-            fit: fit(&self.labels),
+            fit,
         }
     }
 }
@@ -90,8 +98,11 @@ fn fit(labels: &Labels) -> Fit {
 
 fn judge(labels: &Labels, unit: f32, model: Logistic) -> Fit {
     let slope = model.b2 / unit;
-    if !(model.b1.is_finite() && slope.is_finite() && slope > 0.0) {
+    if !(model.b1.is_finite() && slope.is_finite()) {
         return Fit::Unfit;
+    }
+    if slope <= 0.0 {
+        return Fit::Irrelevant;
     }
     let share = labels.bins().map(|bin| bin.changed).sum::<f32>() / labels.total();
     let constant = Logistic {
@@ -240,12 +251,14 @@ mod tests {
     }
 
     #[test]
-    fn a_probability_that_falls_with_the_change_is_unfit() {
+    fn a_probability_that_falls_with_the_change_is_irrelevant_but_for_the_gyroscope() {
         let mut labels = Labels::new(&GYRO);
         for i in 0..1000 {
             labels.add(i as f32 * 0.001, i < 400, 1.0);
         }
-        assert_eq!(fit(&labels), Fit::Unfit);
+        let fit = |input| RefitJob { input, labels }.fit().fit;
+        assert_eq!(fit(Input::Accel), Fit::Irrelevant);
+        assert_eq!(fit(Input::Gyro), Fit::Unfit);
     }
 
     #[test]

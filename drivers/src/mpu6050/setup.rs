@@ -182,7 +182,7 @@ impl ImuConfig {
     }
 
     /// Addresses and values in the order of writing: awake first, pin last.
-    pub(super) fn registers(&self) -> [(u8, u8); 11] {
+    pub fn registers(&self) -> [(u8, u8); 11] {
         let [threshold, duration, control] = self.motion.map_or([0; 3], MotionDetector::bytes);
         [
             (PWR_MGMT_1, AWAKE_ON_GYRO_CLOCK),

@@ -1,0 +1,114 @@
+//! Typed, checked reading of the TOML that users edit.
+//!
+//! `selection.toml` names a board, an airframe and a control logic, `reactive.toml` says when
+//! control runs. The build of `reflex` turns them into constants ([`Configuration::to_rust`]),
+//! so that the target parses nothing. Every value has one range, checked as it is read; an
+//! unknown key, a wrong type or a value out of its range is one line with file, line and key.
+
+mod airframe;
+mod board;
+mod document;
+mod error;
+mod logic;
+mod range;
+mod reactive;
+mod rust;
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+pub use airframe::{Airframe, Motor, Spin};
+pub use board::{Board, Calibration, Filters, Link, MotorProtocol, Motors, Sensors};
+pub use error::ConfigError;
+pub use logic::{Attitude, Cascade, Estimate, Rate};
+pub use reactive::{
+    Input, Inputs, Learning, Policy, Reactive, Reference, Runs, Setpoint, WarmUp, WarmUpLength,
+};
+
+use document::Document;
+
+/// Which product is built: the content of `selection.toml`.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Selection {
+    /// Name of a file in `boards/`, without `.toml`.
+    pub board: String,
+    /// Name of a file in `airframes/`, without `.toml`.
+    pub airframe: String,
+    /// Name of a file in `logics/`, without `.toml`.
+    pub logic: String,
+}
+
+/// Everything a user configured, checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Configuration {
+    /// Which product is built.
+    pub selection: Selection,
+    /// When control runs.
+    pub reactive: Reactive,
+    /// What may vary on the board's wiring.
+    pub board: Board,
+    /// Where the motors are.
+    pub airframe: Airframe,
+    /// The gains of the control logic.
+    pub logic: Cascade,
+}
+
+/// Reads and checks the configuration in a folder.
+///
+/// # Errors
+/// The first thing that is wrong: a file that cannot be read, an unknown or missing key, a wrong
+/// type, a value out of its range.
+pub fn load(dir: &Path) -> Result<Configuration, ConfigError> {
+    let selecting = Document::open(&dir.join("selection.toml"))?;
+    let selection: Selection = selecting.parse()?;
+    let selected = |key: &str, folder: &str, name: &str| {
+        let file = selected_file(dir, folder, name)
+            .map_err(|message| selecting.error_at(&[key], message))?;
+        Document::open(&file)
+    };
+
+    let document = selected("board", "boards", &selection.board)?;
+    let board: Board = document.parse()?;
+    board.check(&document)?;
+
+    let document = selected("airframe", "airframes", &selection.airframe)?;
+    let airframe: Airframe = document.parse()?;
+    airframe.check(&document)?;
+
+    let logic: Cascade = selected("logic", "logics", &selection.logic)?.parse()?;
+
+    let document = Document::open(&dir.join("reactive.toml"))?;
+    let reactive: Reactive = document.parse()?;
+    reactive.check(&document, &board)?;
+
+    Ok(Configuration {
+        selection,
+        reactive,
+        board,
+        airframe,
+        logic,
+    })
+}
+
+/// The file that a name selects, or what could be selected instead.
+fn selected_file(dir: &Path, folder: &str, name: &str) -> Result<PathBuf, String> {
+    let mut names: Vec<String> = std::fs::read_dir(dir.join(folder))
+        .map_err(|error| format!("{} cannot be read: {error}", dir.join(folder).display()))?
+        .flatten()
+        .filter_map(|entry| {
+            let name = entry.file_name().into_string().ok()?;
+            name.strip_suffix(".toml").map(str::to_owned)
+        })
+        .collect();
+    names.sort();
+    if names.iter().any(|known| known == name) {
+        Ok(dir.join(folder).join(format!("{name}.toml")))
+    } else {
+        let names = names.join(", ");
+        Err(format!(
+            "{folder}/{name}.toml does not exist, must be one of: {names}"
+        ))
+    }
+}

@@ -1,0 +1,96 @@
+//! The ranges of single values, checked while a file is read.
+//!
+//! A function for each kind of value, to be named beside the field: the error then carries the
+//! value's place in the file, and no value out of its range ever exists. NaN is in no range.
+
+use serde::de::{Deserialize, Deserializer, Error};
+
+macro_rules! ranges {
+    ($($(#[$doc:meta])* $name:ident: $type:ty = |$value:ident| $inside:expr, $range:literal;)*) => {
+        $(
+            $(#[$doc])*
+            pub(crate) fn $name<'de, D: Deserializer<'de>>(source: D) -> Result<$type, D::Error> {
+                let $value = <$type>::deserialize(source)?;
+                if $inside {
+                    Ok($value)
+                } else {
+                    Err(D::Error::custom(format!(
+                        concat!("{:?} is out of range, must be ", $range),
+                        $value
+                    )))
+                }
+            }
+        )*
+    };
+}
+
+ranges! {
+    /// A probability of which neither end makes sense.
+    probability: f64 = |x| x > 0.0 && x < 1.0, "above 0 and below 1";
+    /// The share of exploration runs.
+    exploration_share: f64 = |x| (0.0..=0.1).contains(&x), "0 to 0.1";
+    /// A share of full scale or of a value, not zero.
+    positive_share: f64 = |x| x > 0.0 && x <= 1.0, "above 0 and at most 1";
+    /// A share of full scale or authority.
+    share: f64 = |x| (0.0..=1.0).contains(&x), "0 to 1";
+    /// The least command of an armed motor.
+    armed_minimum: f64 = |x| (0.0..=0.3).contains(&x), "0 to 0.3";
+    /// Steps in a full scale.
+    steps: u32 = |x| (2..=65_535).contains(&x), "2 to 65535";
+    /// A factor on one label.
+    weight: f64 = |x| (1.0..=256.0).contains(&x), "1 to 256";
+    /// Labels that a model needs.
+    labels: u32 = |x| (1..=10_000).contains(&x), "1 to 10000";
+    /// Control's rate in Hz.
+    control_rate: f64 = |x| (1.0..=1000.0).contains(&x), "1 to 1000 Hz";
+    /// The longest time between runs, in s.
+    failsafe: f64 = |x| x > 0.0 && x <= 1.0, "above 2 hyperperiods and at most 1 s";
+    /// The longest warm-up, in s.
+    longest_warm_up: f64 = |x| x > 0.0 && x <= 30.0, "above 0 and at most 30 s";
+    /// A time that may be none, in s.
+    warm_up: f64 = |x| (0.0..=30.0).contains(&x), "0 to 30 s";
+    /// A time constant of learning, in s.
+    forgetting: f64 = |x| (1.0..=3600.0).contains(&x), "1 to 3600 s";
+    /// Time between refits, in s.
+    refit_interval: f64 = |x| (0.05..=60.0).contains(&x), "0.05 to 60 s";
+    /// A tenth of a second to ten, in s.
+    short_time: f64 = |x| (0.1..=10.0).contains(&x), "0.1 to 10 s";
+    /// An end of a sensor's bins, in the sensor's unit.
+    change: f64 = |x| x > 0.0 && x <= 1000.0, "above 0 and at most 1000";
+    /// An angle in rad that counts as a change.
+    angle_quantum: f64 = |x| x > 0.0 && x <= 1.0, "above 0 and at most 1 rad";
+    /// A rate in rad/s that counts as a change.
+    rate_quantum: f64 = |x| x > 0.0 && x <= 10.0, "above 0 and at most 10 rad/s";
+    /// The rates in Hz of the MPU6050 whose periods are whole milliseconds.
+    imu_rate: u32 = |x| [1000, 500, 250, 200, 125, 100].contains(&x),
+        "one of 1000 500 250 200 125 100 Hz";
+    /// The rates in Hz of the LSM303AGR's accelerometer at full resolution.
+    chip_accel_rate: u32 = |x| [400, 200, 100, 50, 25, 10].contains(&x),
+        "one of 400 200 100 50 25 10 Hz";
+    /// The rates in Hz of the LSM303AGR's magnetometer.
+    chip_mag_rate: u32 = |x| [100, 50, 20, 10].contains(&x), "one of 100 50 20 10 Hz";
+    /// The corner of a sample filter in Hz; its upper end depends on the sample rate.
+    sample_cutoff: f64 = |x| (5.0..=450.0).contains(&x), "5 to 450 Hz";
+    /// The gyro's deviation at rest in rad/s.
+    still_gyro: f64 = |x| x > 0.0 && x <= 1.0, "above 0 and at most 1 rad/s";
+    /// Bits per second of the link.
+    baud: u32 = |x| [57_600, 115_200, 230_400, 460_800, 921_600].contains(&x),
+        "one of 57600 115200 230400 460800 921600 baud";
+    /// A direction in degrees.
+    direction: f64 = |x| (0.0..360.0).contains(&x), "0 to 360 degrees, 360 excluded";
+    /// How fast an estimate is corrected, in 1/s.
+    correction: f64 = |x| (0.0..=10.0).contains(&x), "0 to 10 1/s";
+    /// Gains of the attitude loop, in 1/s.
+    attitude_gains: [f64; 3] = |x| x.iter().all(|x| (0.0..=30.0).contains(x)), "each 0 to 30 1/s";
+    /// Limits of the body rates asked for, in rad/s.
+    rate_limits: [f64; 3] = |x| x.iter().all(|&x| x > 0.0 && x <= 35.0),
+        "each above 0 and at most 35 rad/s";
+    /// Proportional gains of the rate loop.
+    proportional_gains: [f64; 3] = |x| x.iter().all(|x| (0.0..=2.0).contains(x)), "each 0 to 2";
+    /// Integral gains of the rate loop.
+    integral_gains: [f64; 3] = |x| x.iter().all(|x| (0.0..=5.0).contains(x)), "each 0 to 5";
+    /// Derivative gains of the rate loop.
+    derivative_gains: [f64; 3] = |x| x.iter().all(|x| (0.0..=0.1).contains(x)), "each 0 to 0.1";
+    /// The corner of the derivative's filter in Hz.
+    derivative_cutoff: f64 = |x| (1.0..=200.0).contains(&x), "1 to 200 Hz";
+}

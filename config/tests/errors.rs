@@ -1,0 +1,239 @@
+//! Every wrong value is one line that names file, line, key and range.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use reflex_config::load;
+
+const FILES: [&str; 5] = [
+    "selection.toml",
+    "reactive.toml",
+    "boards/reflex_f427.toml",
+    "airframes/quad_x.toml",
+    "logics/cascade.toml",
+];
+
+/// file | text in it | its replacement | key at fault | range said
+const OUT_OF_RANGE: &str = r#"
+reactive.toml | p_run = 0.6 | p_run = 1.0 | runs.p_run | above 0 and below 1
+reactive.toml | p_run = 0.6 | p_run = nan | runs.p_run | above 0 and below 1
+reactive.toml | failsafe_s = 0.1 | failsafe_s = 2 | runs.failsafe_s | at most 1 s
+reactive.toml | failsafe_s = 0.1 | failsafe_s = 0.002 | runs.failsafe_s | 2 hyperperiods
+reactive.toml | periodic_rate_hz = 400 | periodic_rate_hz = 0 | runs.periodic_rate_hz | 1 to 1000
+reactive.toml | quantum_steps = 255 | quantum_steps = 1 | runs.quantum_steps | 2 to 65535
+reactive.toml | length = "automatic" | length = 31 | warm_up.length | 0 to 30 s
+reactive.toml | shortest_s = 3 | shortest_s = -1 | warm_up.shortest_s | 0 to 30 s
+reactive.toml | longest_s = 30 | longest_s = 31 | warm_up.longest_s | at most 30 s
+reactive.toml | labels_of_each_class = 30 | labels_of_each_class = 0 | warm_up.labels_of_each_class | 1 to 10000
+reactive.toml | stable_change = 0.1 | stable_change = 0 | warm_up.stable_change | above 0
+reactive.toml | forgetting_s = 20 | forgetting_s = 0.5 | learning.forgetting_s | 1 to 3600
+reactive.toml | refit_interval_s = 0.5 | refit_interval_s = inf | learning.refit_interval_s | 0.05 to 60
+reactive.toml | exploration_share = 0.00390625 | exploration_share = 0.2 | learning.exploration_share | 0 to 0.1
+reactive.toml | smallest_change = 0.002 | smallest_change = 0 | inputs.gyro.smallest_change | above 0
+reactive.toml | angle_quantum_rad = 0.02 | angle_quantum_rad = 2 | setpoint.angle_quantum_rad | at most 1 rad
+boards/reflex_f427.toml | imu_rate_hz = 1000 | imu_rate_hz = 8000 | sensors.imu_rate_hz | one of 1000 500
+boards/reflex_f427.toml | chip_accel_rate_hz = 100 | chip_accel_rate_hz = 1344 | sensors.chip_accel_rate_hz | one of 400 200
+boards/reflex_f427.toml | gyro_cutoff_hz = 80 | gyro_cutoff_hz = 2 | filters.gyro_cutoff_hz | 5 to 450 Hz
+boards/reflex_f427.toml | length_s = 0.5 | length_s = 11 | calibration.length_s | 0.1 to 10 s
+boards/reflex_f427.toml | baud = 460800 | baud = 9600 | link.baud | 460800
+airframes/quad_x.toml | angle_deg = 315 | angle_deg = 360 | motors.2.angle_deg | 360 excluded
+airframes/quad_x.toml | armed_minimum = 0.05 | armed_minimum = 0.5 | armed_minimum | 0 to 0.3
+logics/cascade.toml | p = [6.0, 6.0, 3.0] | p = [6.0, -6.0, 3.0] | attitude.p | 0 to 30
+logics/cascade.toml | rate_limit_rad_s = [4.0 | rate_limit_rad_s = [40.0 | attitude.rate_limit_rad_s | at most 35
+logics/cascade.toml | d_cutoff_hz = 20 | d_cutoff_hz = 0 | rate.d_cutoff_hz | 1 to 200 Hz
+"#;
+
+/// file | text in it | its replacement | what is said
+const UNREADABLE: &str = r#"
+reactive.toml | p_run = 0.6 | p_rum = 0.6 | unknown field `p_rum`, expected
+reactive.toml | p_run = 0.6 | p_run = "often" | runs.p_run: invalid type
+reactive.toml | policy = "reactive" | policy = "lazy" | runs.policy: unknown variant `lazy`
+reactive.toml | p_run = 0.6 |  | missing field `p_run`
+reactive.toml | gates = true | gates = 1 | inputs.gyro.gates: invalid type
+reactive.toml | p_run = 0.6 | p_run = | string values must be quoted
+logics/cascade.toml | [6.0, 6.0, 3.0] | [6.0, 6.0] | attitude.p: invalid length
+airframes/quad_x.toml | spin = "cw" | spin = "left" | motors.2.spin: unknown variant
+"#;
+
+/// file | text in it | its replacement | what is said
+const UNFIT: &str = r#"
+reactive.toml | longest_s = 30 | longest_s = 2 | warm_up.shortest_s: must be 0 to longest_s
+reactive.toml | smallest_change = 0.002 | smallest_change = 4 | inputs.gyro.smallest_change: must be below
+airframes/quad_x.toml | spin = "cw" | spin = "ccw" | motors: 1 of 4 spin cw, must be half
+boards/reflex_f427.toml | imu_rate_hz = 1000 | imu_rate_hz = 125 | filters.gyro_cutoff_hz: must be 5 to
+selection.toml | airframe = "quad_x" | airframe = "hexa" | airframe: airframes/hexa.toml does not exist, must be one of: quad_x
+selection.toml | airframe = "quad_x" | airframe = "../boards/reflex_f427" | airframe: airframes
+"#;
+
+fn rows<const N: usize>(table: &'static str) -> impl Iterator<Item = [&'static str; N]> {
+    table.trim().lines().map(|line| {
+        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+        cells.try_into().expect(line)
+    })
+}
+
+/// A copy of the shipped configuration that goes away with the value.
+struct Copied(PathBuf);
+
+impl Copied {
+    fn new() -> Self {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let name = format!("config-{}", COUNT.fetch_add(1, Ordering::Relaxed));
+        let copy = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        for folder in ["boards", "airframes", "logics"] {
+            fs::create_dir_all(copy.join(folder)).unwrap();
+        }
+        for file in FILES {
+            fs::copy(shipped().join(file), copy.join(file)).unwrap();
+        }
+        Self(copy)
+    }
+
+    /// What `load` says once `old` in `file` is `new`, without the folder's name.
+    fn error_with(&self, file: &str, old: &str, new: &str) -> String {
+        let path = self.0.join(file);
+        let before = fs::read_to_string(&path).unwrap();
+        assert!(before.contains(old), "{file} has no {old:?}");
+        fs::write(&path, before.replacen(old, new, 1)).unwrap();
+        let message = load(&self.0).expect_err(new).to_string();
+        fs::write(&path, before).unwrap();
+        let folder = format!("{}/", self.0.display());
+        message.strip_prefix(&folder).unwrap_or(&message).to_owned()
+    }
+}
+
+impl Drop for Copied {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn shipped() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The line on which a shipped file has a text.
+fn line_of(file: &str, text: &str) -> usize {
+    let content = fs::read_to_string(shipped().join(file)).unwrap();
+    content
+        .lines()
+        .position(|line| line.contains(text))
+        .unwrap()
+        + 1
+}
+
+#[test]
+fn the_shipped_configuration_is_valid() {
+    let configuration = load(shipped()).unwrap();
+    assert_eq!(
+        configuration.reactive.hyperperiod_us(&configuration.board),
+        1000
+    );
+    assert_eq!(configuration.airframe.motors.len(), 4);
+}
+
+#[test]
+fn a_value_out_of_range_names_file_line_key_and_range() {
+    let copied = Copied::new();
+    for [file, old, new, key, range] in rows(OUT_OF_RANGE) {
+        let message = copied.error_with(file, old, new);
+        let place = format!("{file}:{}: {key}: ", line_of(file, old));
+        assert!(
+            message.starts_with(&place),
+            "{message:?} does not start with {place:?}"
+        );
+        assert!(
+            message.contains(range),
+            "{message:?} does not say {range:?}"
+        );
+        assert_eq!(message.lines().count(), 1, "{message:?}");
+    }
+}
+
+#[test]
+fn an_unknown_key_a_wrong_type_and_a_missing_key_are_named() {
+    let copied = Copied::new();
+    for [file, old, new, expected] in rows(UNREADABLE) {
+        let message = copied.error_with(file, old, new);
+        assert!(message.starts_with(&format!("{file}:")), "{message:?}");
+        assert!(
+            message.contains(expected),
+            "{message:?} does not say {expected:?}"
+        );
+        assert_eq!(message.lines().count(), 1, "{message:?}");
+    }
+}
+
+#[test]
+fn values_that_do_not_fit_each_other_are_named() {
+    let copied = Copied::new();
+    for [file, old, new, expected] in rows(UNFIT) {
+        let message = copied.error_with(file, old, new);
+        let line = message
+            .strip_prefix(&format!("{file}:"))
+            .unwrap_or_else(|| panic!("{message:?}"));
+        assert!(
+            line.starts_with(|first: char| first.is_ascii_digit()),
+            "{message:?}"
+        );
+        assert!(
+            message.contains(expected),
+            "{message:?} does not say {expected:?}"
+        );
+    }
+}
+
+#[test]
+fn a_gate_is_needed_and_sets_the_hyperperiod() {
+    let copied = Copied::new();
+    let path = copied.0.join("reactive.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, text.replace("gates = true", "gates = false")).unwrap();
+    let message = load(&copied.0).unwrap_err().to_string();
+    assert!(
+        message.ends_with("inputs: at least one must have gates = true"),
+        "{message:?}"
+    );
+    fs::write(
+        &path,
+        text.replace("gates = false", "gates = true")
+            .replace("= 400", "= 50"),
+    )
+    .unwrap();
+    let configuration = load(&copied.0).unwrap();
+    assert_eq!(
+        configuration.reactive.hyperperiod_us(&configuration.board),
+        10_000
+    );
+}
+
+#[test]
+fn five_motors_cannot_balance_and_three_are_too_few() {
+    let copied = Copied::new();
+    let file = "airframes/quad_x.toml";
+    let fifth = "\n[[motors]]\nangle_deg = 0\nspin = \"cw\"\n\n[[motors]] # 1";
+    let message = copied.error_with(file, "[[motors]] # 1", fifth);
+    assert!(
+        message.ends_with("motors: 3 of 5 spin cw, must be half of them"),
+        "{message:?}"
+    );
+    let path = copied.0.join(file);
+    let text = fs::read_to_string(&path).unwrap();
+    let (three, _) = text.split_once("[[motors]] # 4").unwrap();
+    fs::write(&path, three).unwrap();
+    let message = load(&copied.0).unwrap_err().to_string();
+    assert!(
+        message.ends_with("motors: 3 motors are out of range, must be 4 to 8"),
+        "{message:?}"
+    );
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let message = load(Path::new("nowhere")).unwrap_err().to_string();
+    assert!(
+        message.starts_with("nowhere/selection.toml: cannot be read: "),
+        "{message:?}"
+    );
+}

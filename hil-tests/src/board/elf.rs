@@ -1,0 +1,142 @@
+//! What the host needs from the firmware's ELF: symbols, stack, functions.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use anyhow::{Context, Result, bail};
+use object::{Object, ObjectSymbol, SymbolKind};
+
+/// A firmware image with its symbols.
+#[derive(Clone, Debug)]
+pub struct Elf {
+    bytes: Vec<u8>,
+    symbols: BTreeMap<String, u32>,
+    functions: BTreeMap<u32, (u32, String)>,
+}
+
+impl Elf {
+    /// Reads the symbols of a linked firmware; an error when it is none.
+    pub fn parse(bytes: Vec<u8>) -> Result<Self> {
+        let file = object::File::parse(&*bytes).context("the firmware is not an ELF file")?;
+        if file.architecture() != object::Architecture::Arm {
+            bail!(
+                "the firmware is built for {:?}, not for Arm",
+                file.architecture()
+            );
+        }
+        let mut symbols = BTreeMap::new();
+        let mut functions = BTreeMap::new();
+        for symbol in file.symbols() {
+            let (Ok(name), Ok(address)) = (symbol.name(), u32::try_from(symbol.address())) else {
+                continue;
+            };
+            if name.is_empty() || name.starts_with('$') {
+                continue;
+            }
+            if symbol.kind() == SymbolKind::Text {
+                let size = u32::try_from(symbol.size()).unwrap_or(u32::MAX);
+                functions.insert(address & !1, (size, name.to_owned()));
+            }
+            symbols.insert(name.to_owned(), address);
+        }
+        Ok(Self {
+            bytes,
+            symbols,
+            functions,
+        })
+    }
+
+    /// The file itself.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// Value of a symbol; an error that names it when the firmware lacks it.
+    pub fn symbol(&self, name: &str) -> Result<u32> {
+        self.find(name)
+            .with_context(|| format!("the firmware has no symbol {name}"))
+    }
+
+    /// Value of a symbol, if the firmware has it.
+    pub fn find(&self, name: &str) -> Option<u32> {
+        self.symbols.get(name).copied()
+    }
+
+    /// Address of a function's first instruction, without the Thumb bit.
+    pub fn code(&self, name: &str) -> Result<u32> {
+        Ok(self.symbol(name)? & !1)
+    }
+
+    /// The stack's region, by the linker's symbols: it grows from the end
+    /// towards the start.
+    pub fn stack(&self) -> Result<Range<u32>> {
+        let (start, end) = (self.symbol("_stack_end")?, self.symbol("_stack_start")?);
+        if start >= end {
+            bail!(
+                "the firmware's stack is empty: _stack_end {start:#010x}, _stack_start {end:#010x}"
+            );
+        }
+        Ok(start.next_multiple_of(4)..end)
+    }
+
+    /// The function that holds `pc`, for a message: `name (pc 0x...)`.
+    pub fn place(&self, pc: u64) -> String {
+        let name = u32::try_from(pc).ok().and_then(|pc| {
+            let (start, (size, name)) = self.functions.range(..=pc).next_back()?;
+            (pc - start < (*size).max(2)).then_some(name.as_str())
+        });
+        format!("{} (pc {pc:#010x})", name.unwrap_or("unknown code"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(symbols: &[(&str, u32)]) -> Elf {
+        Elf {
+            bytes: Vec::new(),
+            symbols: symbols
+                .iter()
+                .map(|&(name, at)| (name.into(), at))
+                .collect(),
+            functions: [(0x0800_0400, (0x40, "main".to_owned()))].into(),
+        }
+    }
+
+    #[test]
+    fn the_stack_lies_between_the_linkers_symbols() {
+        let elf = with(&[("_stack_start", 0x1001_0000), ("_stack_end", 0x1000_0000)]);
+        assert_eq!(elf.stack().unwrap(), 0x1000_0000..0x1001_0000);
+    }
+
+    #[test]
+    fn an_empty_stack_is_refused() {
+        let elf = with(&[("_stack_start", 0x2000_0000), ("_stack_end", 0x2000_0000)]);
+        assert!(
+            elf.stack()
+                .unwrap_err()
+                .to_string()
+                .contains("stack is empty")
+        );
+    }
+
+    #[test]
+    fn a_missing_symbol_is_named() {
+        let error = with(&[]).symbol("REFLEX_CALLS").unwrap_err();
+        assert_eq!(error.to_string(), "the firmware has no symbol REFLEX_CALLS");
+    }
+
+    #[test]
+    fn a_program_counter_is_told_with_its_function() {
+        let elf = with(&[]);
+        assert_eq!(elf.place(0x0800_0410), "main (pc 0x08000410)");
+        assert_eq!(elf.place(0x0800_0500), "unknown code (pc 0x08000500)");
+    }
+
+    #[test]
+    fn what_is_no_elf_file_is_refused() {
+        let error = Elf::parse(b"not an image".to_vec()).unwrap_err();
+        assert_eq!(error.to_string(), "the firmware is not an ELF file");
+    }
+}

@@ -1,0 +1,264 @@
+//! The loop around the emulated core: polls, watches, faults, commands.
+//!
+//! It runs on the core's thread, between two instructions. Once per polling
+//! period it collects what happened into a [`Batch`]; at the instant the host
+//! asked for it waits for the next command.
+
+use std::ops::Range;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender};
+
+use anyhow::Result;
+use rigless::emulator::{Driver, Hit as WatchHit, Host, Settled, Stop, Watch};
+use rigless::session::Session;
+use rigless::time::VirtualNanos;
+
+use super::batch::{Batch, Command, Event, Final, Message};
+use super::health::{HOLES, Health};
+use super::memory::Memory;
+use super::part::Rig;
+use crate::board::motors::VectorGatherer;
+use crate::board::rings::{CallLog, RttLog};
+use crate::board::{CALLS_SYMBOL, Elf, FaultKind, Hit, Options, SETTINGS_SYMBOL};
+
+/// Polls that cross to the host's thread together, to wake it less often.
+const POLLS_TOGETHER: usize = 16;
+/// How long a core may go on after a fault, so that its handler can log.
+const LAST_WORDS_NS: u64 = 200_000;
+/// Handlers that end the flight, and the fault that arriving there means.
+const FATAL: [(&str, FaultKind); 2] = [
+    ("HardFault", FaultKind::HardFault { detail: None }),
+    ("DefaultHandler_", FaultKind::UnhandledInterrupt),
+];
+
+/// State of the loop.
+pub(super) struct RunLoop {
+    commands: Receiver<Command>,
+    messages: SyncSender<Message>,
+    poll_ns: u64,
+    settings: Option<(u32, Vec<u8>)>,
+    stack: Range<u32>,
+    watches: Vec<u64>,
+    fatal: Vec<(u64, FaultKind)>,
+    calls: CallLog,
+    log: RttLog,
+    motors: VectorGatherer,
+    health: Health,
+    hits: Vec<Hit>,
+    held: Vec<Batch>,
+    until_ns: u64,
+    prepared: bool,
+}
+
+impl RunLoop {
+    /// A loop for the firmware `elf`; an error names the symbol it lacks.
+    pub(super) fn new(
+        elf: &Arc<Elf>,
+        options: &Options,
+        commands: Receiver<Command>,
+        messages: SyncSender<Message>,
+    ) -> Result<Self> {
+        let settings = options.settings.clone().map(|bytes| {
+            let address = elf.symbol(SETTINGS_SYMBOL)?;
+            anyhow::Ok((address, bytes))
+        });
+        let watches = options
+            .watches
+            .iter()
+            .map(|name| Ok(u64::from(elf.code(name)?)));
+        let fatal = FATAL.into_iter().filter_map(|(name, fault)| {
+            let address = elf.code(name).ok()?;
+            Some((u64::from(address), fault))
+        });
+        Ok(Self {
+            commands,
+            messages,
+            poll_ns: options.poll_ns.max(1),
+            settings: settings.transpose()?,
+            stack: elf.stack()?,
+            watches: watches.collect::<Result<_>>()?,
+            fatal: fatal.collect(),
+            calls: CallLog::new(elf.symbol(CALLS_SYMBOL)?),
+            log: RttLog::new(elf.symbol("_SEGGER_RTT")?),
+            motors: VectorGatherer::default(),
+            health: Health::new(Arc::clone(elf), options),
+            hits: Vec::new(),
+            held: Vec::new(),
+            until_ns: 0,
+            prepared: false,
+        })
+    }
+
+    /// Before the first instruction: settings, stack pattern, watches.
+    fn prepare(
+        &mut self,
+        session: &mut Session<Rig>,
+        host: &mut dyn Host,
+    ) -> Result<(), FaultKind> {
+        let mut memory = Memory(host);
+        memory.paint(&self.stack)?;
+        if let Some((address, bytes)) = self.settings.take() {
+            memory.write(address, &bytes)?;
+        }
+        for hole in HOLES {
+            session.fail_next(hole.start, hole.end);
+        }
+        let fatal = self.fatal.iter().map(|fatal| fatal.0);
+        for address in self.watches.iter().copied().chain(fatal) {
+            session.watch(Watch::Instruction(address));
+        }
+        Ok(())
+    }
+
+    fn collect(&mut self, session: &mut Session<Rig>, stop: Stop, host: &mut dyn Host) -> Batch {
+        let at_ns = stop.at.0;
+        let mut batch = Batch {
+            at_ns,
+            instructions: stop.instruction_count,
+            reached: at_ns >= self.until_ns,
+            ..Batch::default()
+        };
+        self.take_events(session, &mut batch);
+        let mut memory = Memory(host);
+        let rings = self.log.read(&mut memory).and_then(|log| {
+            batch.log = log;
+            batch.calls = self.calls.read(&mut memory)?;
+            Ok(())
+        });
+        let full = memory.is_full(&self.stack);
+        let overflow = FaultKind::StackOverflow {
+            available: self.stack.end - self.stack.start,
+        };
+        // A stack that overflowed explains everything that follows from it.
+        batch.fault = match (full, rings) {
+            (Ok(true), _) => Some(overflow),
+            (Err(fault), _) | (_, Err(fault)) => Some(fault),
+            (Ok(false), Ok(())) => self.health.check(session, &batch),
+        };
+        batch
+    }
+
+    fn take_events(&mut self, session: &mut Session<Rig>, batch: &mut Batch) {
+        let part = &mut session.board_mut().part;
+        let events = &mut batch.events;
+        events.extend(part.edges.drain(..).map(Event::Edge));
+        events.extend(self.hits.drain(..).map(Event::Hit));
+        let heard = part.link.take_heard().into_iter();
+        events.extend(heard.map(|(at_ns, byte)| Event::Link(at_ns, byte)));
+        let [first, second] = &mut part.timers;
+        let mut writes: Vec<_> = first
+            .writes
+            .drain(..)
+            .chain(second.writes.drain(..))
+            .collect();
+        writes.sort_by_key(|write| write.at_ns);
+        let vectors = writes
+            .into_iter()
+            .filter_map(|write| self.motors.push(write));
+        events.extend(vectors.map(Event::Motors));
+        events.extend(self.motors.flush(batch.at_ns).map(Event::Motors));
+        events.sort_by_key(Event::at_ns);
+    }
+
+    /// Waits for the host; none when the run is to end here.
+    fn obey(&mut self, session: &mut Session<Rig>, host: &mut dyn Host) -> Option<()> {
+        loop {
+            match self.commands.recv().ok()? {
+                Command::Transmit(at_ns, bytes) => {
+                    session.board().part.link.schedule(at_ns, bytes);
+                }
+                Command::RunUntil(until_ns) => {
+                    self.until_ns = until_ns;
+                    return Some(());
+                }
+                Command::Finish => {
+                    let last = self.last_measures(session, host);
+                    self.messages.send(Message::Final(last)).ok()?;
+                    return None;
+                }
+            }
+        }
+    }
+
+    fn send_held(&mut self) -> Option<()> {
+        let held = std::mem::take(&mut self.held);
+        self.messages.send(Message::Batches(held)).ok()
+    }
+
+    fn last_measures(&mut self, session: &mut Session<Rig>, host: &mut dyn Host) -> Final {
+        let stack = Memory(host).stack_use(&self.stack).unwrap_or_default();
+        let unmodelled = session.unimplemented().values();
+        let part = &session.board().part;
+        Final {
+            stack,
+            link: part.link.used(),
+            unmodelled: unmodelled
+                .map(|gap| format!("{}.{}", gap.instance, gap.register))
+                .collect(),
+            motor_period_ns: part.timers[0].period_ns(),
+            fault: self.health.last_check(part),
+        }
+    }
+
+    fn arrived(&mut self, session: &mut Session<Rig>, hit: WatchHit) {
+        if let Some(watch) = self.watches.iter().position(|&at| at == hit.address) {
+            let (at_ns, instructions) = (hit.at.0, hit.instruction_count);
+            self.hits.push(Hit {
+                at_ns,
+                watch,
+                instructions,
+            });
+        }
+        let fatal = self.fatal.iter().find(|fatal| fatal.0 == hit.address);
+        if let Some((address, fault)) = fatal {
+            session.unwatch(Watch::Instruction(*address));
+            session.run_until(VirtualNanos(hit.at.0 + LAST_WORDS_NS));
+            self.health.condemn(fault.clone());
+        }
+    }
+}
+
+impl Driver<Rig> for RunLoop {
+    fn on_settled(&mut self, session: &mut Session<Rig>, _: &mut dyn Host, settled: Settled) {
+        match settled {
+            Settled::Hit(hit) => self.arrived(session, hit),
+            Settled::Access { access, .. } => self.health.note_access(access),
+            // A board that was reset is at its end: no need to boot it again.
+            Settled::Stop(stop) if !session.resets().is_empty() => session.run_until(stop.at),
+            _ => {}
+        }
+    }
+
+    fn on_stop(
+        &mut self,
+        session: &mut Session<Rig>,
+        stop: Stop,
+        host: &mut dyn Host,
+    ) -> Option<VirtualNanos> {
+        let at_ns = stop.at.0;
+        if self.prepared {
+            let batch = self.collect(session, stop, host);
+            let (reached, failed) = (batch.reached, batch.fault.is_some());
+            self.held.push(batch);
+            if reached || failed || self.held.len() == POLLS_TOGETHER {
+                self.send_held()?;
+            }
+            if failed {
+                return None;
+            }
+            if reached {
+                self.obey(session, host)?;
+            }
+        } else {
+            if let Err(fault) = self.prepare(session, host) {
+                let message = fault.to_string();
+                self.messages.send(Message::Failed(message)).ok()?;
+                return None;
+            }
+            self.prepared = true;
+            self.obey(session, host)?;
+        }
+        let next_poll = at_ns - at_ns % self.poll_ns + self.poll_ns;
+        Some(VirtualNanos(next_poll.min(self.until_ns)))
+    }
+}

@@ -1,0 +1,130 @@
+//! The sensors on their buses and interrupt lines.
+//!
+//! The chips are shared with whoever built them, so that a test can look into
+//! one between two runs; the emulated part reaches them through the bus peers
+//! of this module, at the instants of the bytes on the wire.
+
+use std::fmt;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use rigless::chip::{Timeline, i2c, spi};
+use rigless::device::Level;
+use rigless::snapshot::Store;
+use rigless::soc::stm32f427::Stm32f427;
+use rigless::soc::stm32f427::peripherals::gpio::Pin;
+use rigless::soc::stm32f427::peripherals::spi::Select;
+
+use crate::board::Line;
+use crate::chips::{I2cChip, SpiChip};
+
+/// The chips of the board, each shared with its owner.
+#[derive(Clone)]
+pub struct Sensors {
+    /// MPU6050 on I2C1, its INT on PC0.
+    pub imu: Arc<Mutex<dyn I2cChip>>,
+    /// Accelerometer die of the LSM303AGR on SPI1, select PA4, INT_1_XL on PC1.
+    pub accel: Arc<Mutex<dyn SpiChip>>,
+    /// Magnetometer die of the LSM303AGR on SPI1, select PC4, INT_MAG on PC2.
+    pub mag: Arc<Mutex<dyn SpiChip>>,
+}
+
+impl fmt::Debug for Sensors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Sensors")
+    }
+}
+
+impl Sensors {
+    /// Hangs the chips on the part's buses, as the board is wired.
+    pub(super) fn attach(&self, soc: &mut Stm32f427) {
+        let select = |port, pin| Select {
+            port,
+            pin: Pin::new(pin).expect("a port has sixteen pins"),
+            active: Level::Low,
+        };
+        soc.i2c[0].attach(ImuPeer(Arc::clone(&self.imu)));
+        soc.spi[0].attach_selected(SpiPeer(Arc::clone(&self.accel)), select("GPIOA", 4));
+        soc.spi[0].attach_selected(SpiPeer(Arc::clone(&self.mag)), select("GPIOC", 4));
+    }
+
+    /// Produces every sample due until `now_ns`.
+    pub(super) fn advance(&self, now_ns: u64) {
+        lock(&self.imu).advance(now_ns);
+        lock(&self.accel).advance(now_ns);
+        lock(&self.mag).advance(now_ns);
+    }
+
+    /// Level of every interrupt line, and when one of them may change next.
+    pub(super) fn lines(&self) -> ([bool; Line::ALL.len()], u64) {
+        let (imu, accel, mag) = (lock(&self.imu), lock(&self.accel), lock(&self.mag));
+        let levels = [imu.interrupt(), accel.interrupt(), mag.interrupt()];
+        let next = imu
+            .next_event()
+            .min(accel.next_event())
+            .min(mag.next_event());
+        (levels, next)
+    }
+}
+
+/// A chip that panicked is reported by that panic, not by its lock.
+fn lock<T: ?Sized>(chip: &Mutex<T>) -> MutexGuard<'_, T> {
+    chip.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+struct ImuPeer(Arc<Mutex<dyn I2cChip>>);
+
+impl fmt::Debug for ImuPeer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("ImuPeer")
+    }
+}
+
+impl Store for ImuPeer {}
+
+impl i2c::Peer for ImuPeer {
+    fn start(&mut self, address: u8, read: bool, context: &mut Timeline<'_, '_>) -> bool {
+        lock(&self.0).start(context.now().0, address, read)
+    }
+
+    fn write(&mut self, byte: u8, context: &mut Timeline<'_, '_>) -> bool {
+        lock(&self.0).write(context.now().0, byte)
+    }
+
+    fn read(&mut self, last: bool, context: &mut Timeline<'_, '_>) -> u8 {
+        lock(&self.0).read(context.now().0, last)
+    }
+
+    fn stop(&mut self, context: &mut Timeline<'_, '_>) {
+        lock(&self.0).stop(context.now().0);
+    }
+}
+
+struct SpiPeer(Arc<Mutex<dyn SpiChip>>);
+
+impl fmt::Debug for SpiPeer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("SpiPeer")
+    }
+}
+
+impl Store for SpiPeer {}
+
+impl spi::Peer for SpiPeer {
+    fn transfer(&mut self, mosi: u32, bits: u8, context: &mut Timeline<'_, '_>) -> u32 {
+        let mut chip = lock(&self.0);
+        let now_ns = context.now().0;
+        // A 16-bit frame is two bytes to the chip, the first one on top.
+        (0..bits / 8).rev().fold(0, |miso, byte| {
+            let mosi = (mosi >> (8 * byte)) as u8;
+            miso << 8 | u32::from(chip.transfer(now_ns, mosi))
+        })
+    }
+
+    fn select(&mut self, context: &mut Timeline<'_, '_>) {
+        lock(&self.0).select(context.now().0);
+    }
+
+    fn deselect(&mut self, context: &mut Timeline<'_, '_>) {
+        lock(&self.0).deselect(context.now().0);
+    }
+}

@@ -1,0 +1,152 @@
+//! Programs of a few words, linked into an ELF by hand.
+
+use crate::board::Elf;
+
+/// Where the image is flashed; the vectors come first.
+const FLASH: u32 = 0x0800_0000;
+/// Bytes of the vectors: stack, reset, and the first sixteen exceptions.
+const VECTORS: u32 = 0x40;
+/// Where every fault goes: a branch to itself, in front of the program.
+const HANDLER: u32 = FLASH + VECTORS;
+/// First instruction of the program, at a word boundary.
+const CODE: u32 = HANDLER + 4;
+/// Top and bottom of the stack.
+pub(super) const STACK: std::ops::Range<u32> = 0x2000_1000..0x2000_1400;
+/// Where the call log and the settings lie.
+pub(super) const CALLS: u32 = 0x2000_2000;
+pub(super) const SETTINGS: u32 = 0x2000_3000;
+const RTT: u32 = 0x2000_4000;
+
+/// `b .`, and a `nop` behind it.
+const SPIN: [u16; 2] = [0xE7FE, 0xBF00];
+
+/// A program that makes `writes` (address, value) in order, then sleeps.
+pub(super) fn writing(writes: &[(u32, u32)]) -> Elf {
+    // ldr r0, =table; loop: ldmia r0!, {r1, r2}; cbz r1, end; str r2, [r1];
+    // b loop; end: wfi; b end
+    let code = [
+        0x4803, 0xC806, 0xB109, 0x600A, 0xE7FB, 0xBF30, 0xE7FD, 0xBF00,
+    ];
+    let table = CODE + 2 * code.len() as u32 + 4;
+    let mut words = vec![table];
+    words.extend(writes.iter().flat_map(|&(address, value)| [address, value]));
+    words.extend([0, 0]);
+    assembled(&code, &words)
+}
+
+/// A program of `code`, an even number of half-words, followed by `words`.
+pub(super) fn assembled(code: &[u16], words: &[u32]) -> Elf {
+    let mut image = Vec::new();
+    image.extend(STACK.end.to_le_bytes());
+    image.extend((CODE | 1).to_le_bytes());
+    for _ in 2..VECTORS / 4 {
+        image.extend((HANDLER | 1).to_le_bytes());
+    }
+    image.extend(SPIN.iter().chain(code).flat_map(|half| half.to_le_bytes()));
+    image.extend(words.iter().flat_map(|word| word.to_le_bytes()));
+    Elf::parse(linked(&image)).unwrap()
+}
+
+const SYMBOLS: [(&str, u32); 8] = [
+    ("_stack_start", STACK.end),
+    ("_stack_end", STACK.start),
+    ("REFLEX_CALLS", CALLS),
+    ("REFLEX_SETTINGS", SETTINGS),
+    ("_SEGGER_RTT", RTT),
+    ("HardFault", HANDLER | 1),
+    ("_defmt_version_ = 4", 0),
+    ("_defmt_encoding_ = rzcobs", 0),
+];
+
+/// Section types, flags and ELF constants used below.
+const PROGBITS: u32 = 1;
+const SYMTAB: u32 = 2;
+const STRTAB: u32 = 3;
+const ALLOC: u32 = 2;
+const HEADER: usize = 52;
+const SEGMENT: usize = 32;
+
+/// A 32-bit Arm ELF with `image` at the start of flash and [`SYMBOLS`].
+fn linked(image: &[u8]) -> Vec<u8> {
+    let words = |values: &[u32]| {
+        values
+            .iter()
+            .flat_map(|value| value.to_le_bytes())
+            .collect()
+    };
+    let mut strings = vec![0_u8];
+    let mut symbols = vec![0_u8; 16];
+    for (name, value) in SYMBOLS {
+        let at: Vec<u8> = words(&[strings.len() as u32, value, 0]);
+        symbols.extend(at);
+        // Global, no type; default visibility; an absolute section index.
+        symbols.extend([0x10, 0, 0xF1, 0xFF]);
+        strings.extend(name.bytes().chain([0]));
+    }
+    let names = b"\0.text\0.defmt\0.symtab\0.strtab\0";
+    let image_at = HEADER + SEGMENT;
+    let symbols_at = image_at + image.len();
+    let strings_at = symbols_at + symbols.len();
+    let names_at = strings_at + strings.len();
+    let sections_at = (names_at + names.len()).next_multiple_of(4);
+    // name, type, flags, address, offset, size, link, info, alignment, entry
+    let section = |values: [usize; 10]| -> Vec<u8> { words(&values.map(|value| value as u32)) };
+    let (load, none) = (FLASH as usize, [0; 10]);
+    let table = [
+        section(none),
+        section([
+            1,
+            PROGBITS as usize,
+            ALLOC as usize,
+            load,
+            image_at,
+            image.len(),
+            0,
+            0,
+            4,
+            0,
+        ]),
+        section([7, PROGBITS as usize, 0, 0, image_at, 0, 0, 0, 1, 0]),
+        section([
+            14,
+            SYMTAB as usize,
+            0,
+            0,
+            symbols_at,
+            symbols.len(),
+            4,
+            1,
+            4,
+            16,
+        ]),
+        section([
+            22,
+            STRTAB as usize,
+            0,
+            0,
+            strings_at,
+            strings.len(),
+            0,
+            0,
+            1,
+            0,
+        ]),
+        section([22, STRTAB as usize, 0, 0, names_at, names.len(), 0, 0, 1, 0]),
+    ];
+    let mut file: Vec<u8> = b"\x7fELF\x01\x01\x01\0\0\0\0\0\0\0\0\0\x02\0\x28\0".to_vec();
+    let ends: Vec<u8> = words(&[1, CODE | 1, HEADER as u32, sections_at as u32, 0x0500_0000]);
+    file.extend(ends);
+    for half in [HEADER, SEGMENT, 1, 40, table.len(), 5] {
+        file.extend((half as u16).to_le_bytes());
+    }
+    let size = image.len() as u32;
+    let segment: Vec<u8> = words(&[1, image_at as u32, FLASH, FLASH, size, size, 5, 4]);
+    file.extend(segment);
+    file.extend_from_slice(image);
+    file.extend(symbols);
+    file.extend(strings);
+    file.extend_from_slice(names);
+    file.resize(sections_at, 0);
+    file.extend(table.concat());
+    file
+}

@@ -1,0 +1,277 @@
+//! Whole runs: what is reported, and the name of every fault.
+
+use std::sync::Arc;
+
+use super::program::{CALLS, SETTINGS, STACK, assembled, writing};
+use super::{Pulse, sensors};
+use crate::board::emulated::EmulatedBoard;
+use crate::board::{
+    Board, Edge, Elf, Fault, FaultKind, Hit, Line, MotorWrite, Observer, Options, Outcome,
+};
+
+/// Everything a run told.
+#[derive(Debug, Default, PartialEq)]
+struct Told {
+    motors: Vec<MotorWrite>,
+    edges: Vec<Edge>,
+    calls: Vec<(u64, Vec<u8>)>,
+    hits: Vec<Hit>,
+    progress: u64,
+}
+
+impl Observer for Told {
+    fn motors(&mut self, write: &MotorWrite) {
+        self.motors.push(*write);
+    }
+    fn edge(&mut self, edge: Edge) {
+        self.edges.push(edge);
+    }
+    fn calls(&mut self, at_ns: u64, bytes: &[u8]) {
+        self.calls.push((at_ns, bytes.to_vec()));
+    }
+    fn hit(&mut self, hit: Hit) {
+        self.hits.push(hit);
+    }
+    fn progress(&mut self, at_ns: u64, _instructions: u64) {
+        self.progress = at_ns;
+    }
+}
+
+const MILLISECOND: u64 = 1_000_000;
+
+fn run(elf: Elf, options: &Options, until_ns: u64) -> (Told, Result<Outcome, Fault>) {
+    let imu = Pulse {
+        from_ns: 5_000,
+        to_ns: 55_000,
+        now_ns: 0,
+    };
+    let mut board = EmulatedBoard::boot(&Arc::new(elf), sensors(imu), options).unwrap();
+    let mut told = Told::default();
+    let ran = board.run_until(until_ns, &mut told);
+    let outcome = ran.and_then(|()| Box::new(board).finish());
+    (told, outcome)
+}
+
+fn fault_of(elf: Elf) -> FaultKind {
+    run(elf, &Options::default(), 700 * MILLISECOND)
+        .1
+        .unwrap_err()
+        .kind
+}
+
+/// Clock, mode 1 with preload, enable, pulse, count: motor 1 is driven.
+const MOTOR_ON: [(u32, u32); 5] = [
+    (0x4002_3840, 1 << 1),
+    (0x4000_0418, 0x68),
+    (0x4000_0420, 1),
+    (0x4000_0400, 0x81),
+    (0x4000_0434, 160),
+];
+
+#[test]
+fn settings_are_there_before_the_first_instruction_and_calls_are_read() {
+    // ldr r0, =settings; ldr r1, [r0]; ldr r2, =calls; str r1, [r2, #4];
+    // movs r3, #4; str r3, [r2]; wfi; b .-2
+    let code = [
+        0x4803, 0x6801, 0x4A03, 0x6051, 0x2304, 0x6013, 0xBF30, 0xE7FD,
+    ];
+    let elf = assembled(&code, &[SETTINGS, CALLS]);
+    let options = Options {
+        settings: Some(vec![1, 2, 3, 4]),
+        ..Options::default()
+    };
+    let (told, outcome) = run(elf, &options, 3 * MILLISECOND);
+    outcome.unwrap();
+    assert_eq!(told.calls, [(MILLISECOND, vec![1, 2, 3, 4])]);
+    assert_eq!(told.progress, 3 * MILLISECOND);
+}
+
+#[test]
+fn pins_and_motors_are_reported_at_their_instants_and_again_the_same() {
+    let observed = || run(writing(&MOTOR_ON), &Options::default(), 2 * MILLISECOND).0;
+    let told = observed();
+    let [rise, fall] = told.edges[..] else {
+        panic!("{told:?}")
+    };
+    let line = Line::ImuReady;
+    assert_eq!(
+        rise,
+        Edge {
+            at_ns: 5_000,
+            line,
+            rising: true
+        }
+    );
+    assert_eq!(
+        fall,
+        Edge {
+            at_ns: 55_000,
+            line,
+            rising: false
+        }
+    );
+    assert_eq!(told.motors.len(), 1);
+    assert_eq!(told.motors[0].pulse_ns[0], 10_000, "160 ticks of 16 MHz");
+    assert_eq!(told.motors[0].driven, 1);
+    assert_eq!(observed(), told);
+}
+
+#[test]
+fn a_watched_symbol_reports_time_and_instructions() {
+    let options = Options {
+        watches: vec!["HardFault".into()],
+        ..Options::default()
+    };
+    let (told, fault) = run(assembled(&[0xBF00, 0xDE00], &[]), &options, MILLISECOND);
+    assert_eq!(fault.unwrap_err().kind.name(), "hard_fault");
+    assert_eq!(told.hits[0].watch, 0);
+    assert!(told.hits[0].instructions <= 2, "{told:?}");
+}
+
+#[test]
+fn an_unknown_watch_is_refused_by_name() {
+    let options = Options {
+        watches: vec!["nowhere".into()],
+        ..Options::default()
+    };
+    let elf = Arc::new(writing(&[]));
+    let refused = EmulatedBoard::boot(&elf, sensors(Pulse::default()), &options);
+    assert_eq!(
+        refused.err().unwrap().to_string(),
+        "the firmware has no symbol nowhere"
+    );
+}
+
+#[test]
+fn a_sleeping_core_is_not_busy_and_leaves_its_stack_alone() {
+    let (_, outcome) = run(writing(&[]), &Options::default(), 100 * MILLISECOND);
+    let outcome = outcome.unwrap();
+    assert!(outcome.load.busy_fraction(0) < 1e-4);
+    assert_eq!((outcome.stack.used, outcome.stack.available), (0, 0x400));
+    assert_eq!(outcome.ended_ns, 100 * MILLISECOND);
+}
+
+#[test]
+fn an_undefined_instruction_is_a_hard_fault() {
+    assert_eq!(
+        fault_of(assembled(&[0xDE00, 0xBF00], &[])),
+        FaultKind::HardFault { detail: None }
+    );
+}
+
+#[test]
+fn a_bad_pointer_is_a_hard_fault_that_names_the_address() {
+    let fault = fault_of(writing(&[(0x3000_0000, 1)])).to_string();
+    assert!(
+        fault.starts_with("HardFault in the firmware: no memory at 0x30000000"),
+        "{fault}"
+    );
+}
+
+#[test]
+fn a_stack_that_grows_too_deep_is_an_overflow() {
+    // push {r0-r7}, without end
+    let available = STACK.end - STACK.start;
+    assert_eq!(
+        fault_of(assembled(&[0xB4FF, 0xE7FD], &[])),
+        FaultKind::StackOverflow { available }
+    );
+}
+
+#[test]
+fn an_access_between_peripherals_is_unmapped() {
+    let fault = fault_of(writing(&[(0x4008_0000, 1)]));
+    assert!(
+        matches!(
+            fault,
+            FaultKind::UnmappedAccess {
+                address: 0x4008_0000,
+                ..
+            }
+        ),
+        "{fault}"
+    );
+}
+
+#[test]
+fn an_access_to_an_unclocked_peripheral_is_refused() {
+    let fault = fault_of(writing(&[(0x4001_3000, 1)]));
+    assert!(
+        matches!(
+            fault,
+            FaultKind::RefusedAccess {
+                address: 0x4001_3000,
+                ..
+            }
+        ),
+        "{fault}"
+    );
+}
+
+#[test]
+fn a_watchdog_that_is_not_fed_resets_the_board() {
+    let watchdog = [(0x4000_3000, 0xCCCC)];
+    assert_eq!(fault_of(writing(&watchdog)), FaultKind::WatchdogReset);
+}
+
+#[test]
+fn a_reset_by_the_firmware_is_unexpected() {
+    let fault = fault_of(writing(&[(0xE000_ED0C, 0x05FA_0004)]));
+    assert_eq!(fault, FaultKind::Reset("asked for by the firmware".into()));
+}
+
+#[test]
+fn firmware_that_never_drives_a_motor_never_started() {
+    let options = Options {
+        boot_limit_ns: 10 * MILLISECOND,
+        ..Options::default()
+    };
+    let fault = run(writing(&[]), &options, 20 * MILLISECOND).1.unwrap_err();
+    assert_eq!(fault.kind.name(), "never_started");
+    assert_eq!(fault.at_ns, 11 * MILLISECOND);
+}
+
+#[test]
+fn firmware_that_stops_writing_hangs() {
+    let options = Options {
+        silence_limit_ns: 10 * MILLISECOND,
+        ..Options::default()
+    };
+    let fault = run(writing(&MOTOR_ON), &options, 20 * MILLISECOND)
+        .1
+        .unwrap_err();
+    assert_eq!(fault.kind.name(), "silent");
+}
+
+#[test]
+fn motors_on_unconfigured_pins_are_a_wiring_fault() {
+    let fault = fault_of(writing(&MOTOR_ON)).to_string();
+    assert!(
+        fault.contains("PC6 (TIM3_CH1) is an input, not AF2 push-pull"),
+        "{fault}"
+    );
+}
+
+#[test]
+fn a_call_log_that_outruns_its_reader_is_a_fault() {
+    let fault = fault_of(writing(&[(CALLS, 3_000)]));
+    assert_eq!(fault, FaultKind::CallsLost { bytes: 952 });
+}
+
+#[test]
+fn a_board_keeps_its_fault() {
+    let elf = Arc::new(assembled(&[0xDE00, 0xBF00], &[]));
+    let mut board =
+        EmulatedBoard::boot(&elf, sensors(Pulse::default()), &Options::default()).unwrap();
+    let first = board
+        .run_until(MILLISECOND, &mut Told::default())
+        .unwrap_err();
+    board.transmit(2 * MILLISECOND, b"too late");
+    assert_eq!(
+        board
+            .run_until(3 * MILLISECOND, &mut Told::default())
+            .unwrap_err(),
+        first
+    );
+    assert_eq!(Box::new(board).finish().unwrap_err(), first);
+}

@@ -1,0 +1,252 @@
+//! Whether the firmware uses the pins and buffers that the board has wired.
+//!
+//! The emulator moves words between peripherals and chips without looking at
+//! the pins between them, so a wrong alternate function would pass unnoticed.
+//! Here the configuration is compared with the board's wiring.
+
+use rigless::device::RegisterFile;
+use rigless::mcu::Mcu;
+use rigless::soc::stm32f427::generated::{dma2, exti, gpioa};
+
+use super::part::Part;
+use crate::board::Line;
+use crate::board::motors::MOTORS;
+
+/// How a pin must be configured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Use {
+    Input,
+    Output,
+    /// Alternate function, and whether its output stage is open drain.
+    Alternate {
+        number: u64,
+        open_drain: bool,
+    },
+}
+
+/// A wire: what it is, and the pin it ends at.
+#[derive(Clone, Copy, Debug)]
+struct Wire {
+    signal: &'static str,
+    port: char,
+    pin: u32,
+    uses: Use,
+}
+
+const fn function(number: u64) -> Use {
+    Use::Alternate {
+        number,
+        open_drain: false,
+    }
+}
+
+const I2C: Use = Use::Alternate {
+    number: 4,
+    open_drain: true,
+};
+
+const WIRES: [Wire; 12] = [
+    Wire {
+        signal: "SPI1_SCK",
+        port: 'A',
+        pin: 5,
+        uses: function(5),
+    },
+    Wire {
+        signal: "SPI1_MISO",
+        port: 'A',
+        pin: 6,
+        uses: function(5),
+    },
+    Wire {
+        signal: "SPI1_MOSI",
+        port: 'A',
+        pin: 7,
+        uses: function(5),
+    },
+    Wire {
+        signal: "accelerometer select",
+        port: 'A',
+        pin: 4,
+        uses: Use::Output,
+    },
+    Wire {
+        signal: "magnetometer select",
+        port: 'C',
+        pin: 4,
+        uses: Use::Output,
+    },
+    Wire {
+        signal: "I2C1_SCL",
+        port: 'B',
+        pin: 8,
+        uses: I2C,
+    },
+    Wire {
+        signal: "I2C1_SDA",
+        port: 'B',
+        pin: 9,
+        uses: I2C,
+    },
+    Wire {
+        signal: "USART2_TX",
+        port: 'D',
+        pin: 5,
+        uses: function(7),
+    },
+    Wire {
+        signal: "USART2_RX",
+        port: 'D',
+        pin: 6,
+        uses: function(7),
+    },
+    Wire {
+        signal: Line::ImuReady.name(),
+        port: 'C',
+        pin: 0,
+        uses: Use::Input,
+    },
+    Wire {
+        signal: Line::AccelThreshold.name(),
+        port: 'C',
+        pin: 1,
+        uses: Use::Input,
+    },
+    Wire {
+        signal: Line::MagEvent.name(),
+        port: 'C',
+        pin: 2,
+        uses: Use::Input,
+    },
+];
+
+/// Motors 1 to 4 leave on PC6 to PC9, motors 5 to 8 on PD12 to PD15.
+fn motor_wire(motor: usize) -> Wire {
+    const SIGNALS: [&str; MOTORS] = [
+        "TIM3_CH1", "TIM3_CH2", "TIM3_CH3", "TIM3_CH4", "TIM4_CH1", "TIM4_CH2", "TIM4_CH3",
+        "TIM4_CH4",
+    ];
+    let (port, pin) = match motor {
+        0..4 => ('C', 6 + motor as u32),
+        _ => ('D', 8 + motor as u32),
+    };
+    Wire {
+        signal: SIGNALS[motor],
+        port,
+        pin,
+        uses: function(2),
+    }
+}
+
+/// Core-coupled memory, which the DMA controllers do not reach.
+const CCM: std::ops::Range<u64> = 0x1000_0000..0x1001_0000;
+const STREAM_BUFFERS: [(u8, dma2::Register); 8] = [
+    (0, dma2::Register::S0m0ar),
+    (1, dma2::Register::S1m0ar),
+    (2, dma2::Register::S2m0ar),
+    (3, dma2::Register::S3m0ar),
+    (4, dma2::Register::S4m0ar),
+    (5, dma2::Register::S5m0ar),
+    (6, dma2::Register::S6m0ar),
+    (7, dma2::Register::S7m0ar),
+];
+
+/// Every difference between the firmware's configuration and the wiring.
+///
+/// `driven` has a bit for each motor output that has been driven.
+pub(super) fn problems(part: &Part, driven: u8) -> Vec<String> {
+    let motors = (0..MOTORS)
+        .filter(|motor| driven >> motor & 1 != 0)
+        .map(motor_wire);
+    let mut problems: Vec<String> = WIRES
+        .into_iter()
+        .chain(motors)
+        .filter_map(|wire| pin_problem(part, wire))
+        .collect();
+    problems.extend(line_problems(part));
+    problems.extend(buffer_problems(part));
+    problems
+}
+
+fn pin_problem(part: &Part, wire: Wire) -> Option<String> {
+    let name = format!("GPIO{}", wire.port);
+    let found = found_use(part.bus().registers(&name)?, wire.pin);
+    (found != Some(wire.uses)).then(|| {
+        let Wire {
+            signal, port, pin, ..
+        } = wire;
+        let found = found.map_or("analog".into(), describe);
+        format!(
+            "P{port}{pin} ({signal}) is {found}, not {}",
+            describe(wire.uses)
+        )
+    })
+}
+
+/// How a pin is configured; none when it is analog.
+fn found_use(registers: &RegisterFile, pin: u32) -> Option<Use> {
+    let field = |register, shift: u32, width: u32| {
+        registers.get::<gpioa::Register>(register) >> shift & ((1 << width) - 1)
+    };
+    let functions = match pin {
+        0..8 => gpioa::Register::Afrl,
+        _ => gpioa::Register::Afrh,
+    };
+    match field(gpioa::Register::Moder, 2 * pin, 2) {
+        0 => Some(Use::Input),
+        1 => Some(Use::Output),
+        2 => Some(Use::Alternate {
+            number: field(functions, 4 * (pin % 8), 4),
+            open_drain: field(gpioa::Register::Otyper, pin, 1) != 0,
+        }),
+        _ => None,
+    }
+}
+
+fn describe(uses: Use) -> String {
+    match uses {
+        Use::Input => "an input".into(),
+        Use::Output => "an output".into(),
+        Use::Alternate {
+            number,
+            open_drain: false,
+        } => format!("AF{number} push-pull"),
+        Use::Alternate {
+            number,
+            open_drain: true,
+        } => format!("AF{number} open drain"),
+    }
+}
+
+/// Unmasked external interrupts that listen at another port than C.
+fn line_problems(part: &Part) -> Vec<String> {
+    let Some(registers) = part.bus().registers("EXTI") else {
+        return Vec::new();
+    };
+    let mask = registers.get(exti::Register::Imr);
+    let ports = part.syscfg.ports();
+    let wrong = Line::ALL.into_iter().filter_map(|line| {
+        let pin = line.pin();
+        let port = char::from(b'A' + ports[usize::from(pin)]);
+        (mask >> pin & 1 != 0 && port != 'C').then(|| {
+            format!(
+                "EXTI{pin} listens at P{port}{pin}, but {} is at PC{pin}",
+                line.name()
+            )
+        })
+    });
+    wrong.collect()
+}
+
+fn buffer_problems(part: &Part) -> Vec<String> {
+    let Some(registers) = part.bus().registers("DMA1") else {
+        return Vec::new();
+    };
+    let unreachable = STREAM_BUFFERS.into_iter().filter_map(|(stream, register)| {
+        let address = registers.get(register);
+        CCM.contains(&address).then(|| {
+            format!("DMA1 stream {stream} has its buffer at {address:#010x} in the CCM, out of its reach")
+        })
+    });
+    unreachable.collect()
+}

@@ -1,0 +1,157 @@
+//! The board under test, seen without knowing what plays it.
+//!
+//! A [`Board`] runs the flashed firmware to an instant, tells an [`Observer`]
+//! what happened on its pins and in its logs, and ends in an [`Outcome`] or a
+//! named [`Fault`]. [`emulated`] plays it on an instruction-level emulator; a
+//! real board behind a debug probe can take its place.
+//!
+//! **Time** is the board's own: nanoseconds since its core left reset. Two
+//! runs of an emulated board with the same inputs report the same bytes at the
+//! same instants.
+
+pub mod elf;
+pub mod emulated;
+pub mod fault;
+pub mod log;
+pub mod motors;
+pub mod outcome;
+pub mod rings;
+
+pub use elf::Elf;
+pub use fault::{Fault, FaultKind};
+pub use log::LogLine;
+pub use motors::{MOTORS, MotorWrite};
+pub use outcome::{LinkUse, Load, Outcome, StackUse};
+
+/// Symbol of the call log ring that the firmware keeps for its observer.
+pub const CALLS_SYMBOL: &str = "REFLEX_CALLS";
+/// Symbol of the settings block that is written before the firmware starts.
+pub const SETTINGS_SYMBOL: &str = "REFLEX_SETTINGS";
+
+/// An interrupt line from a sensor to the processor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Line {
+    /// MPU6050 INT on PC0.
+    ImuReady,
+    /// LSM303AGR INT_1_XL on PC1.
+    AccelThreshold,
+    /// LSM303AGR INT_MAG on PC2.
+    MagEvent,
+}
+
+impl Line {
+    /// Every line, in the order of its pin of port C.
+    pub const ALL: [Self; 3] = [Self::ImuReady, Self::AccelThreshold, Self::MagEvent];
+
+    /// The pin of port C the line is wired to, and with it its EXTI line.
+    pub const fn pin(self) -> u8 {
+        match self {
+            Self::ImuReady => 0,
+            Self::AccelThreshold => 1,
+            Self::MagEvent => 2,
+        }
+    }
+
+    /// The chip and pin that drive the line, as the datasheets name them.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ImuReady => "MPU6050 INT",
+            Self::AccelThreshold => "LSM303AGR INT_1_XL",
+            Self::MagEvent => "LSM303AGR INT_MAG",
+        }
+    }
+}
+
+/// A change of level on an interrupt line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Edge {
+    /// When, in ns.
+    pub at_ns: u64,
+    /// Which line.
+    pub line: Line,
+    /// Whether the line became active.
+    pub rising: bool,
+}
+
+/// The core arrived at a watched symbol, before its first instruction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hit {
+    /// When, in ns.
+    pub at_ns: u64,
+    /// Index of the symbol in [`Options::watches`].
+    pub watch: usize,
+    /// Instructions executed since reset.
+    pub instructions: u64,
+}
+
+/// Hears what the firmware does, each kind of event in order of time.
+///
+/// Within one kind, calls are ordered by time; between kinds only as fine as
+/// the board's polling period, except that everything up to the instant of
+/// [`Observer::progress`] has been told by then.
+pub trait Observer {
+    /// A complete motor vector was written.
+    fn motors(&mut self, _write: &MotorWrite) {}
+    /// A sensor's interrupt line changed.
+    fn edge(&mut self, _edge: Edge) {}
+    /// New bytes of the call log, found by the poll at `at_ns`.
+    fn calls(&mut self, _at_ns: u64, _bytes: &[u8]) {}
+    /// A decoded line of the firmware's log.
+    fn log(&mut self, _line: &LogLine) {}
+    /// A byte of the link whose stop bit ended at `at_ns`.
+    fn link(&mut self, _at_ns: u64, _byte: u8) {}
+    /// The core arrived at a watched symbol.
+    fn hit(&mut self, _hit: Hit) {}
+    /// Everything until `at_ns` has been told; `instructions` since reset.
+    fn progress(&mut self, _at_ns: u64, _instructions: u64) {}
+}
+
+/// How a board is started and watched.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Bytes for the symbol [`SETTINGS_SYMBOL`]; none leaves it as it is.
+    pub settings: Option<Vec<u8>>,
+    /// Symbols whose arrivals are reported as [`Observer::hit`].
+    pub watches: Vec<String>,
+    /// Time between two looks at the logs, in ns.
+    ///
+    /// RTT holds 1 KiB and the call log 2 KiB: what a period adds must fit.
+    pub poll_ns: u64,
+    /// By when the motors must be driven for the first time, in ns.
+    pub boot_limit_ns: u64,
+    /// Longest time without a motor write or a recorded call, in ns.
+    pub silence_limit_ns: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            settings: None,
+            watches: Vec::new(),
+            poll_ns: 1_000_000,
+            boot_limit_ns: 2_000_000_000,
+            silence_limit_ns: 500_000_000,
+        }
+    }
+}
+
+/// Firmware on its processor, with the sensors, motors and link around it.
+pub trait Board {
+    /// Runs on until `until_ns` and tells `observer` what happens meanwhile.
+    ///
+    /// Returns at once when that instant has passed. After a [`Fault`] the
+    /// board stays where it stopped and every further call returns the fault.
+    fn run_until(&mut self, until_ns: u64, observer: &mut dyn Observer) -> Result<(), Fault>;
+
+    /// Transmits `bytes` to the firmware from `at_ns` on, at the link's rate.
+    ///
+    /// Frames are to be given in order of time and not before the instant the
+    /// board has reached; one that would overlap its predecessor follows it.
+    fn transmit(&mut self, at_ns: u64, bytes: &[u8]);
+
+    /// The instant reached, in ns.
+    fn now_ns(&self) -> u64;
+
+    /// Ends the run and measures what can only be measured at the end.
+    fn finish(self: Box<Self>) -> Result<Outcome, Fault>;
+}

@@ -1,0 +1,82 @@
+//! Progress as a person sees it: a bar on a terminal, a few lines elsewhere.
+
+use std::io::IsTerminal;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::progress::Progress;
+
+/// Parts of a bar, so that its position may be any number.
+const PARTS: u64 = 1000;
+/// Steps in which a log that is no terminal is told, in parts.
+const SPOKEN: u64 = 250;
+
+/// Progress on stderr; stdout stays for the result.
+pub(super) struct Bar {
+    bar: ProgressBar,
+    terminal: bool,
+    spoken: u64,
+}
+
+impl Bar {
+    pub(super) fn new() -> Self {
+        Self {
+            bar: ProgressBar::hidden(),
+            terminal: std::io::stderr().is_terminal(),
+            spoken: 0,
+        }
+    }
+
+    /// Removes the bar, so that the result stands alone.
+    pub(super) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Progress for Bar {
+    fn stage(&mut self, name: &str) {
+        self.finish();
+        self.spoken = 0;
+        if self.terminal {
+            self.bar = ProgressBar::new(PARTS).with_style(spinner()).with_message(name.to_owned());
+            self.bar.tick();
+        } else {
+            eprintln!("{name}");
+        }
+    }
+
+    fn detail(&mut self, what: &str) {
+        self.bar.set_prefix(what.to_owned());
+        self.bar.tick();
+    }
+
+    fn done(&mut self, done: f64, of: f64) {
+        let parts = (done / of * PARTS as f64).clamp(0.0, PARTS as f64) as u64;
+        if self.terminal {
+            if self.bar.position() == 0 {
+                self.bar.set_style(measured());
+            }
+            self.bar.set_position(parts);
+        } else if parts >= self.spoken + SPOKEN {
+            self.spoken = parts - parts % SPOKEN;
+            eprintln!("  {} %", self.spoken * 100 / PARTS);
+        }
+    }
+
+    fn output(&mut self, text: &str) {
+        self.finish();
+        eprint!("{text}");
+    }
+}
+
+fn spinner() -> ProgressStyle {
+    style("{msg} {spinner} {prefix:.dim}")
+}
+
+fn measured() -> ProgressStyle {
+    style("{msg} [{bar:30}] {percent:>3} % {eta}")
+}
+
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
+}

@@ -1,0 +1,140 @@
+//! The command line of `cargo hil`.
+//!
+//! Every command refuses senseless input in one line on stderr and exit code 2, fails with one
+//! line and exit code 1, and with `--json` writes one JSON object to stdout and nothing else.
+
+mod bar;
+mod quantities;
+mod replay;
+mod replay_arguments;
+mod test;
+
+use std::ffi::OsString;
+use std::io::Write;
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+use crate::flights::FlightError;
+use crate::refusal::Refusal;
+
+/// Exit code of input that is refused.
+const REFUSED: u8 = 2;
+/// Exit code of a command that failed.
+const FAILED: u8 = 1;
+
+/// Flies, measures and tests the Reflex firmware without hardware.
+#[derive(Debug, Parser)]
+#[command(bin_name = "cargo hil", version, arg_required_else_help = false)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Boot the firmware on the emulated board and replay a recorded flight into its sensors
+    Replay(replay_arguments::ReplayArguments),
+    /// Run everything that continuous integration runs
+    Test,
+}
+
+/// Parses the arguments (the program's name first) and runs the command.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) if !error.use_stderr() => {
+            // Help and version: asked for, and longer than a line.
+            let _ = error.print();
+            return ExitCode::SUCCESS;
+        }
+        Err(error) => {
+            complain(&one_line(&error.to_string()));
+            return ExitCode::from(REFUSED);
+        }
+    };
+    let result = match &cli.command {
+        Command::Replay(arguments) => replay::run(arguments),
+        Command::Test => test::run(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            complain(&format!("error: {}", one_line(&format!("{error:#}"))));
+            ExitCode::from(exit_code(&error))
+        }
+    }
+}
+
+fn exit_code(error: &anyhow::Error) -> u8 {
+    let refused = error
+        .chain()
+        .any(|cause| cause.is::<Refusal>() || cause.is::<FlightError>());
+    if refused { REFUSED } else { FAILED }
+}
+
+fn complain(line: &str) {
+    // Nobody is left to tell where stderr is closed.
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Writes a command's result to stdout.
+fn print(text: &str) -> Result<()> {
+    let mut stdout = std::io::stdout().lock();
+    stdout.write_all(text.as_bytes())?;
+    Ok(stdout.flush()?)
+}
+
+/// A message of several lines as one, without usage and general hints.
+fn one_line(message: &str) -> String {
+    message
+        .lines()
+        .map(str::trim)
+        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
+        .filter(|line| !line.is_empty() && !line.starts_with("tip: to pass"))
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(arguments: &[&str]) -> String {
+        let arguments = ["cargo hil"].iter().chain(arguments);
+        one_line(&Cli::try_parse_from(arguments).unwrap_err().to_string())
+    }
+
+    #[test]
+    fn wrong_usage_is_one_line() {
+        for (arguments, expected) in [
+            (&[][..], "requires a subcommand"),
+            (&["fly-away"], "unrecognized subcommand 'fly-away'"),
+            (&["replay", "--sped", "1"], "unexpected argument '--sped'"),
+            (&["replay", "--policy", "lazy"], "[possible values: reactive, periodic]"),
+            (&["replay", "--rate"], "a value is required for '--rate <HZ>'"),
+            (&["replay", "--seed", "1", "--seed", "2"], "cannot be used multiple times"),
+            (&["test", "more"], "unexpected argument 'more'"),
+        ] {
+            let line = refusal(arguments);
+            assert!(line.starts_with("error: "), "{line:?}");
+            assert!(line.contains(expected), "{line:?} does not say {expected:?}");
+            assert_eq!(line.lines().count(), 1, "{line:?}");
+        }
+    }
+
+    #[test]
+    fn refusals_and_bad_logs_are_told_from_failures() {
+        assert_eq!(exit_code(&Refusal::new("no").into()), REFUSED);
+        let wrapped = anyhow::Error::from(Refusal::new("no")).context("while asking");
+        assert_eq!(exit_code(&wrapped), REFUSED);
+        assert_eq!(exit_code(&anyhow::anyhow!("broken")), FAILED);
+    }
+
+    #[test]
+    fn the_command_line_is_well_formed() {
+        use clap::CommandFactory;
+        Cli::command().debug_assert();
+    }
+}

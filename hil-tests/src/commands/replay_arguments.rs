@@ -1,0 +1,272 @@
+//! The arguments of `cargo hil replay`, and which of them make sense together.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use reflex::config;
+use reflex::settings::{
+    MotorProtocol, Policy, Reference, Settings, SettingsError, WarmUp,
+};
+use reflex::time::Duration;
+
+use super::quantities::{duration, number, share, warm_up};
+use crate::flights::Rotate;
+use crate::refusal::Refusal;
+use crate::replay_options::ReplayOptions;
+
+/// What a replay is told. Defaults are those of `config/`; no option needs a rebuild.
+#[derive(Clone, Debug, Default, Args)]
+pub(super) struct ReplayArguments {
+    /// Recorded flight, ULog or CSV [default: the one that comes with the crate ulog-rs]
+    #[arg(value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    /// When control runs: when a sensor's change calls for it, or time-triggered
+    #[arg(long, value_enum)]
+    policy: Option<PolicyName>,
+    /// Runs per second of the periodic policy, 1 to 1000
+    #[arg(long, value_name = "HZ", value_parser = number, allow_negative_numbers = true)]
+    rate: Option<f64>,
+    /// What a change is measured against
+    #[arg(long, value_enum)]
+    reference: Option<ReferenceName>,
+    /// Probability of a changed command that calls for a run, above 0 and below 1
+    #[arg(long, value_name = "P", value_parser = number, allow_negative_numbers = true)]
+    p_run: Option<f64>,
+    /// How long control runs at every sample to learn: `auto`, or 0 to 30 s
+    #[arg(long, value_name = "auto|SECONDS", value_parser = warm_up, allow_negative_numbers = true)]
+    warm_up: Option<WarmUp>,
+    /// Longest time between two runs in s, above 0.002 and at most 1
+    #[arg(long, value_name = "SECONDS", value_parser = number, allow_negative_numbers = true)]
+    failsafe: Option<f64>,
+    /// Change of a motor command that counts, as a share of full scale: 0.004 or 1/255
+    #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
+    quantum: Option<f64>,
+    /// Motor pulses: 125 to 250 us at 2 kHz, or 1000 to 2000 us at 400 Hz
+    #[arg(long, value_enum)]
+    motors: Option<MotorsName>,
+    /// Most of the flight to replay, in s
+    #[arg(long, value_name = "SECONDS", value_parser = number, allow_negative_numbers = true)]
+    duration: Option<f64>,
+    /// How the log's axes lie in the body's: auto, none, or such as roll180yaw90
+    #[arg(long, value_name = "ROTATION", default_value = "auto")]
+    rotate: Rotate,
+    /// Noise that the emulated sensors add
+    #[arg(long, value_enum, default_value = "datasheet")]
+    noise: NoiseName,
+    /// Seed of noise, oscillators and exploration, 0 to 4294967295
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    seed: Option<u32>,
+    /// Write the firmware's decoded log to this file
+    #[arg(long, value_name = "FILE")]
+    defmt: Option<PathBuf>,
+    /// Print the report as one JSON object instead of a summary
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PolicyName {
+    Reactive,
+    Periodic,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ReferenceName {
+    PreviousSample,
+    LastRun,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum MotorsName {
+    #[value(name = "oneshot125")]
+    OneShot125,
+    Pwm,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum NoiseName {
+    None,
+    #[default]
+    Datasheet,
+}
+
+impl ReplayArguments {
+    /// The options, once every mix of arguments is known to make sense.
+    ///
+    /// # Errors
+    /// The first mix or value that does not, with the option's name and its range.
+    pub(super) fn options(&self) -> Result<ReplayOptions, Refusal> {
+        let log = match self.logs.as_slice() {
+            [] => None,
+            [log] => Some(log.clone()),
+            [first, second, ..] => {
+                return Err(Refusal::new(format!(
+                    "{} and {}: one log at a time",
+                    first.display(),
+                    second.display()
+                )));
+            }
+        };
+        let settings = self.settings()?;
+        self.check_duration(&settings)?;
+        if let Some(file) = &self.defmt {
+            check_defmt(file, log.as_deref())?;
+        }
+        Ok(ReplayOptions {
+            log,
+            settings,
+            duration_s: self.duration,
+            rotate: self.rotate,
+            noise: self.noise == NoiseName::Datasheet,
+            defmt: self.defmt.clone(),
+        })
+    }
+
+    fn settings(&self) -> Result<Settings, Refusal> {
+        let defaults = Settings::default();
+        let settings = Settings {
+            policy: self.policy()?,
+            reference: self.reference.map_or(defaults.reference, |name| match name {
+                ReferenceName::PreviousSample => Reference::PreviousSample,
+                ReferenceName::LastRun => Reference::LastRun,
+            }),
+            p_run: self.p_run.map_or(defaults.p_run, |p_run| p_run as f32),
+            warm_up: self.warm_up.unwrap_or(defaults.warm_up),
+            failsafe: self.failsafe.map_or(defaults.failsafe, duration),
+            quantum: self.quantum.map_or(defaults.quantum, |share| share as f32),
+            motors: self.motors.map_or(defaults.motors, |name| match name {
+                MotorsName::OneShot125 => MotorProtocol::OneShot125,
+                MotorsName::Pwm => MotorProtocol::Pwm,
+            }),
+            seed: self.seed.unwrap_or(defaults.seed),
+        };
+        settings
+            .validate()
+            .map_err(|error| Refusal::new(format!("{}: {error}", option_of(error))))?;
+        check_period(&settings)?;
+        Ok(settings)
+    }
+
+    /// The policy, once no option of the other one is named.
+    fn policy(&self) -> Result<Policy, Refusal> {
+        let chosen = self.policy.unwrap_or(match Settings::default().policy {
+            Policy::Reactive => PolicyName::Reactive,
+            Policy::Periodic(_) => PolicyName::Periodic,
+        });
+        if chosen == PolicyName::Reactive {
+            return match self.rate {
+                None => Ok(Policy::Reactive),
+                Some(rate) => Err(Refusal::new(format!(
+                    "--rate {rate}: only periodic control has a rate, add --policy periodic"
+                ))),
+            };
+        }
+        for (option, given) in [
+            ("--reference", self.reference.is_some()),
+            ("--p-run", self.p_run.is_some()),
+            ("--warm-up", self.warm_up.is_some()),
+        ] {
+            if given {
+                return Err(Refusal::new(format!(
+                    "{option}: periodic control has none, leave it out or use --policy reactive"
+                )));
+            }
+        }
+        match self.rate {
+            None => Ok(Policy::Periodic(config::PERIODIC_PERIOD)),
+            Some(rate) if (1.0..=fastest_rate()).contains(&rate) => {
+                Ok(Policy::Periodic(duration(1.0 / rate)))
+            }
+            Some(rate) => Err(Refusal::new(format!(
+                "--rate {rate}: must be 1 to {} Hz",
+                fastest_rate()
+            ))),
+        }
+    }
+
+    /// A replay has a length, and something is left of it after the warm-up.
+    fn check_duration(&self, settings: &Settings) -> Result<(), Refusal> {
+        let Some(length) = self.duration else {
+            return Ok(());
+        };
+        if length <= 0.0 {
+            return Err(Refusal::new(format!("--duration {length}: must be above 0 s")));
+        }
+        let (warm_up, name) = match (settings.policy, settings.warm_up) {
+            (Policy::Periodic(_), _) => return Ok(()),
+            (_, WarmUp::Automatic) => (config::SHORTEST_WARM_UP, "automatic warm-up lasts at least"),
+            (_, WarmUp::Fixed(warm_up)) => (warm_up, "warm-up lasts"),
+        };
+        if length <= seconds(warm_up) {
+            return Err(Refusal::new(format!(
+                "--duration {length}: nothing would be left to measure, the {name} {} s",
+                seconds(warm_up)
+            )));
+        }
+        Ok(())
+    }
+}
+
+/// One run per hyperperiod, in Hz.
+fn fastest_rate() -> f64 {
+    1.0 / seconds(config::HYPERPERIOD)
+}
+
+fn seconds(span: Duration) -> f64 {
+    span.ticks() as f64 * 1e-6
+}
+
+/// The option that a refused setting came from.
+fn option_of(error: SettingsError) -> &'static str {
+    match error {
+        SettingsError::PRun => "--p-run",
+        SettingsError::Failsafe => "--failsafe",
+        SettingsError::Quantum => "--quantum",
+        SettingsError::Period => "--rate",
+        SettingsError::WarmUp => "--warm-up",
+    }
+}
+
+/// Periodic control slower than the failsafe would be the failsafe's.
+fn check_period(settings: &Settings) -> Result<(), Refusal> {
+    match settings.policy {
+        Policy::Periodic(period) if period > settings.failsafe => Err(Refusal::new(format!(
+            "--rate: a run every {} s is rarer than the failsafe's, every {} s; raise one of them",
+            seconds(period),
+            seconds(settings.failsafe)
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// The firmware's log goes to a file of its own.
+fn check_defmt(file: &Path, log: Option<&Path>) -> Result<(), Refusal> {
+    let refuse = |reason: &str| {
+        let file = file.display();
+        Err(Refusal::new(format!("--defmt {file}: {reason}")))
+    };
+    if file.as_os_str().is_empty() || file == Path::new("-") {
+        return refuse("must be the name of a file, stdout is for the result");
+    }
+    if file.is_dir() {
+        return refuse("is a folder, must be the name of a file");
+    }
+    let folder = match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    if !folder.is_dir() {
+        return refuse("its folder does not exist");
+    }
+    // Compared as the file system knows them, so that no other spelling overwrites the log.
+    let same = log.is_some_and(|log| {
+        matches!((log.canonicalize(), file.canonicalize()), (Ok(log), Ok(file)) if log == file)
+    });
+    if same {
+        return refuse("is the recorded flight itself, and would overwrite it");
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

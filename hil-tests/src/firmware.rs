@@ -1,0 +1,110 @@
+//! The firmware's ELF: built as it is flashed, found, and measured.
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, bail};
+use cargo_metadata::Message;
+use object::elf::{FileHeader32, PT_LOAD, SHF_ALLOC, SHT_NOTE};
+use object::read::elf::{ElfFile32, FileHeader, ProgramHeader, SectionHeader};
+use object::LittleEndian as LE;
+
+use crate::progress::Progress;
+use crate::toolchain::{self, TARGET};
+
+/// Name of the package and of its binary.
+const NAME: &str = "reflex";
+/// Where flash begins and ends on an STM32F427.
+const FLASH: std::ops::Range<u32> = 0x0800_0000..0x0820_0000;
+
+/// A linked firmware.
+#[derive(Clone, Debug)]
+pub struct Firmware {
+    /// Where it lies.
+    pub path: PathBuf,
+    /// The ELF file.
+    pub bytes: Vec<u8>,
+    /// What it takes of the chip.
+    pub sizes: Sizes,
+}
+
+/// Memory that is taken before the first instruction runs; the stack is not in it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sizes {
+    /// Bytes in flash: vectors, code, constants, and the first values of variables.
+    pub flash_bytes: u32,
+    /// Bytes in RAM: `.data`, `.bss` and `.uninit`.
+    pub ram_bytes: u32,
+}
+
+impl Firmware {
+    /// Builds the firmware as `cargo embed --release` would flash it.
+    ///
+    /// Adds the cross target where it is missing.
+    ///
+    /// # Errors
+    /// The target cannot be added (a refusal), the build fails, or it leaves no ELF file.
+    pub fn build(progress: &mut dyn Progress) -> Result<Self> {
+        toolchain::ensure_target(progress)?;
+        progress.stage("Building the firmware");
+        let mut build = toolchain::cargo();
+        build.args(["build", "--release", "--ignore-rust-version", "--target", TARGET]);
+        build.args(["--package", NAME, "--bin", NAME]);
+        build.arg("--message-format=json-render-diagnostics");
+        let messages = toolchain::run(&mut build, progress)?;
+        let path = executable(&messages).context("cargo named no firmware that it built")?;
+        Self::read(path)
+    }
+
+    /// Reads a firmware that was built before.
+    ///
+    /// # Errors
+    /// The file cannot be read or is no ELF file for the processor.
+    pub fn read(path: PathBuf) -> Result<Self> {
+        let bytes = fs::read(&path).with_context(|| format!("{} cannot be read", path.display()))?;
+        let sizes = Sizes::of(&bytes).with_context(|| path.display().to_string())?;
+        Ok(Self { path, bytes, sizes })
+    }
+}
+
+/// The path of the binary among cargo's messages.
+fn executable(messages: &[u8]) -> Option<PathBuf> {
+    Message::parse_stream(messages)
+        .flatten()
+        .filter_map(|message| match message {
+            Message::CompilerArtifact(artifact) if artifact.target.name == NAME => {
+                artifact.executable.map(PathBuf::from)
+            }
+            _ => None,
+        })
+        .last()
+}
+
+impl Sizes {
+    /// Measures an ELF file.
+    ///
+    /// # Errors
+    /// It is no 32-bit little-endian ELF file, or is cut short.
+    pub fn of(bytes: &[u8]) -> Result<Self> {
+        let file = ElfFile32::<LE>::parse(bytes).context("is no ELF file for the processor")?;
+        let header: &FileHeader32<LE> = file.elf_header();
+        if header.e_machine.get(LE) != object::elf::EM_ARM {
+            bail!("is not built for Arm");
+        }
+        let mut sizes = Self::default();
+        for segment in file.elf_program_headers() {
+            let loaded = segment.p_type(LE) == PT_LOAD;
+            // The physical address is where the bytes lie before start-up copies them.
+            if loaded && FLASH.contains(&segment.p_paddr(LE)) {
+                sizes.flash_bytes += segment.p_filesz(LE);
+            }
+        }
+        for section in header.section_headers(LE, bytes).context("is cut short")? {
+            let allocated = section.sh_flags(LE) & SHF_ALLOC != 0;
+            if allocated && section.sh_type(LE) != SHT_NOTE && !FLASH.contains(&section.sh_addr(LE)) {
+                sizes.ram_bytes += section.sh_size(LE);
+            }
+        }
+        Ok(sizes)
+    }
+}

@@ -1,0 +1,146 @@
+//! The attitude of a flight whose log has none, and helpers on quaternions.
+//!
+//! A complementary filter in double precision: the gyroscope turns the
+//! attitude, the specific force pulls it level with a time constant of 5 s,
+//! less the further its length is from 1 g. It starts from the attitude at
+//! rest with yaw 0. A gyroscope bias `b` leaves a tilt error of about `5 s * b`.
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+use super::flight::Flight;
+use super::track::{Track, seconds};
+use crate::chips::stimulus::STANDARD_GRAVITY;
+
+const TIME_CONSTANT_S: f64 = 5.0;
+/// Specific forces this far from 1 g, in g, say nothing about the vertical.
+const TRUST_UP_TO: f64 = 0.5;
+
+/// A unit quaternion from w, x, y, z.
+pub(super) fn from_array([w, x, y, z]: [f64; 4]) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
+}
+
+/// The components w, x, y, z.
+pub(super) fn to_array(q: UnitQuaternion<f64>) -> [f64; 4] {
+    [q.w, q.i, q.j, q.k]
+}
+
+/// A turn about the vertical.
+pub(super) fn about_down(angle: f64) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle)
+}
+
+/// The heading of an attitude, rad; without meaning where the nose is vertical.
+pub(super) fn heading(q: UnitQuaternion<f64>) -> f64 {
+    let nose = q * Vector3::x();
+    nose.y.atan2(nose.x)
+}
+
+/// The same attitudes with signs chosen so that neighbours are close.
+pub(super) fn continuous(track: &Track<4>) -> Track<4> {
+    let mut last: Option<[f64; 4]> = None;
+    track.map(|q| {
+        let dot = last.map_or(1.0, |l| l.iter().zip(q).map(|(a, b)| a * b).sum());
+        let near = if dot < 0.0 { q.map(|c| -c) } else { q };
+        last = Some(near);
+        near
+    })
+}
+
+/// Components scaled to a unit quaternion; the last one where there are none.
+pub(super) fn renormalised(track: &Track<4>) -> Track<4> {
+    let mut last = [1.0, 0.0, 0.0, 0.0];
+    track.map(|q| {
+        let norm = q.iter().map(|c| c * c).sum::<f64>().sqrt();
+        if norm > 1e-6 {
+            last = q.map(|c| c / norm);
+        }
+        last
+    })
+}
+
+/// The attitude whose resting specific force is `force`, with yaw 0.
+fn at_rest(force: [f64; 3]) -> UnitQuaternion<f64> {
+    let [x, y, z] = force;
+    let roll = (-y).atan2(-z);
+    let pitch = x.atan2(y.hypot(z));
+    UnitQuaternion::from_euler_angles(roll, pitch, 0.0)
+}
+
+/// The attitude at every gyroscope sample, computed from the sensors.
+pub(super) fn estimate(flight: &Flight) -> Track<4> {
+    let mut attitude = at_rest(flight.specific_force_at_rest());
+    let mut track = Track::new();
+    let mut last: Option<(i64, Vector3<f64>)> = None;
+    let cursor = super::track::Cursor::default();
+    for (time, rate) in flight.gyro.iter() {
+        let rate = Vector3::from(rate);
+        if let Some((last_time, last_rate)) = last {
+            let dt = seconds(time - last_time);
+            let force = flight.accel.at_cursor(time, &cursor).unwrap_or_default();
+            let correction = toward_level(attitude, Vector3::from(force));
+            let mean_rate = (rate + last_rate) / 2.0;
+            attitude *= UnitQuaternion::from_scaled_axis((mean_rate + correction) * dt);
+            attitude.renormalize();
+        }
+        last = Some((time, rate));
+        track.push(time, to_array(attitude));
+    }
+    track
+}
+
+/// The rate (rad/s, body) that turns the attitude toward the measured vertical.
+fn toward_level(attitude: UnitQuaternion<f64>, force: Vector3<f64>) -> Vector3<f64> {
+    let length = force.norm() / STANDARD_GRAVITY;
+    let trust = (1.0 - (length - 1.0).abs() / TRUST_UP_TO).max(0.0);
+    let Some(measured) = force.try_normalize(1e-6) else {
+        return Vector3::zeros();
+    };
+    let expected = attitude.inverse() * -Vector3::z();
+    measured.cross(&expected) * (trust / TIME_CONSTANT_S)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::samples;
+    use super::*;
+
+    #[test]
+    fn the_attitude_at_rest_feels_the_force_it_was_made_from() {
+        for force in [[1.0, 2.0, -9.0], [-3.0, 0.5, -8.0], [4.0, 4.0, 7.0]] {
+            let felt = at_rest(force).inverse() * Vector3::new(0.0, 0.0, -1.0);
+            assert!((felt - Vector3::from(force).normalize()).norm() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_constant_turn_is_integrated() {
+        let flight = samples::flight(4.0, |_| ([0.0, 0.0, 0.25], [0.0, 0.0, -9.806_65]));
+        let last = estimate(&flight).at(flight.duration_ns).map(from_array);
+        let yaw = last.map(heading).unwrap_or_default();
+        assert!((yaw - 0.25 * flight.duration_s()).abs() < 1e-9, "{yaw}");
+    }
+
+    #[test]
+    fn a_wrong_tilt_is_pulled_level_with_the_time_constant() {
+        // At rest after a start that felt 0.1 rad of roll.
+        let flight = samples::flight(10.0, |t| {
+            let roll: f64 = if t < 0.6 { 0.1 } else { 0.0 };
+            ([0.0; 3], [0.0, -9.8 * roll.sin(), -9.8 * roll.cos()])
+        });
+        let (roll, _, _) = estimate(&flight)
+            .at(5_600_000_000)
+            .map(from_array)
+            .unwrap_or_default()
+            .euler_angles();
+        assert!((roll - 0.1 * (-1.0_f64).exp()).abs() < 0.002, "{roll}");
+    }
+
+    #[test]
+    fn quaternion_signs_are_made_continuous() {
+        let mut track = Track::new();
+        track.push(0, [1.0, 0.0, 0.0, 0.0]);
+        track.push(1, [-0.9, -0.1, 0.0, 0.0]);
+        assert_eq!(continuous(&track).at(1), Some([0.9, 0.1, 0.0, 0.0]));
+    }
+}

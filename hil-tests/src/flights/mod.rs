@@ -1,0 +1,40 @@
+//! Recorded flights: read, checked, turned into the body frame and replayed.
+//!
+//! A log becomes a [`Flight`]; a [`FlightStimulus`] lets the emulated sensors
+//! feel it, [`Setpoints`] say what the drone was asked to do, and [`schedule`]
+//! makes MAVLink frames of them.
+//!
+//! ```text
+//! log -- csv_log, ulog --> Recording -- check, rotation, gaps --> Flight
+//!                                      Flight -- FlightStimulus --> chips
+//!                                      Flight -- Setpoints -- schedule --> link
+//! ```
+
+mod attitude;
+mod csv_log;
+mod error;
+mod flight;
+mod gaps;
+mod link_frames;
+mod lowpass;
+mod recording;
+mod rotation;
+mod sample_flight;
+mod setpoint;
+mod stimulus;
+mod track;
+mod ulog;
+
+#[cfg(test)]
+mod tests;
+
+pub use error::{Fault, FlightError, Place};
+pub use flight::{Flight, RotationReason};
+pub use gaps::Gap;
+pub use link_frames::{LinkFrame, schedule};
+pub use recording::{LogFormat, MAX_MOTORS, Motors, Recorded, Sensor};
+pub use rotation::{Rotate, Rotation, RotationError};
+pub use sample_flight::sample_flight;
+pub use setpoint::{Setpoint, SetpointSource, SetpointSources, Setpoints};
+pub use stimulus::{Bench, FlightStimulus};
+pub use track::{Cursor, Track, seconds};

@@ -1,0 +1,217 @@
+//! What a reader takes from a log, in the log's own axes and time.
+
+use super::error::Fault;
+use super::track::{SECOND_NS, Track, seconds};
+
+/// The kinds of logs that can be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LogFormat {
+    /// Columns of text: `t_us,gx,gy,gz,ax,ay,az[,mx,my,mz][,m1..mN]`.
+    Csv,
+    /// PX4's binary log.
+    Ulog,
+}
+
+/// The sensors of a flight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sensor {
+    /// Angular rate, rad/s.
+    Gyroscope,
+    /// Specific force, m/s2.
+    Accelerometer,
+    /// Magnetic field, gauss.
+    Magnetometer,
+}
+
+impl Sensor {
+    /// Unit of the log's values.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Gyroscope => "rad/s",
+            Self::Accelerometer => "m/s2",
+            Self::Magnetometer => "gauss",
+        }
+    }
+
+    /// No sensor on a drone reads more: beyond it the unit or the file is wrong.
+    fn limit(self) -> f64 {
+        match self {
+            Self::Gyroscope => 100.0,
+            Self::Accelerometer => 2000.0,
+            Self::Magnetometer => 100.0,
+        }
+    }
+
+    /// Says what is wrong with a value, if anything.
+    pub(super) fn check(self, value: f64) -> Result<(), String> {
+        if !value.is_finite() {
+            return Err(format!("{value} is not a number a sensor can give"));
+        }
+        if value.abs() > self.limit() {
+            let (limit, unit) = (self.limit(), self.unit());
+            return Err(format!("{value} is beyond +-{limit} {unit}: wrong unit?"));
+        }
+        Ok(())
+    }
+}
+
+/// Most motors that a log or the board has.
+pub const MAX_MOTORS: usize = 8;
+
+/// Motor commands, 0..1 of full scale; unused ones are 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Motors {
+    /// How many motors the log has, 1 to [`MAX_MOTORS`].
+    pub count: usize,
+    /// Their commands.
+    pub track: Track<MAX_MOTORS>,
+}
+
+impl Motors {
+    /// The mean command of the motors in use.
+    #[must_use]
+    pub fn mean(&self) -> Track<1> {
+        let count = self.count.clamp(1, MAX_MOTORS);
+        self.track
+            .map(|m| [m[..count].iter().sum::<f64>() / count as f64])
+    }
+}
+
+/// What some logs hold beside the sensors; quaternions are w, x, y, z.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recorded {
+    /// Attitude, forward-right-down in north-east-down.
+    pub attitude: Option<Track<4>>,
+    /// Desired attitude, same frames.
+    pub attitude_setpoint: Option<Track<4>>,
+    /// Desired body rates, rad/s.
+    pub rates_setpoint: Option<Track<3>>,
+    /// Desired collective thrust, 0..1.
+    pub thrust_setpoint: Option<Track<1>>,
+    /// Position (m) and velocity (m/s), north-east-down, where valid.
+    pub position: Option<Track<6>>,
+}
+
+/// The content of a log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// Which reader read it.
+    pub format: LogFormat,
+    /// Angular rates, rad/s.
+    pub gyro: Track<3>,
+    /// Specific forces, m/s2.
+    pub accel: Track<3>,
+    /// Magnetic fields, gauss; `None` where the log has none.
+    pub mag: Option<Track<3>>,
+    /// Motor commands, where recorded.
+    pub motors: Option<Motors>,
+    /// The rest.
+    pub recorded: Recorded,
+}
+
+/// The shortest flight worth replaying.
+const SHORTEST_NS: i64 = SECOND_NS;
+/// The longest: beyond it a time stamp is more likely wrong than right.
+const LONGEST_NS: i64 = 4 * 3600 * SECOND_NS;
+/// Slower logs say nothing about control.
+const SLOWEST_HZ: f64 = 20.0;
+
+impl Recording {
+    /// Refuses a recording from which no flight can be replayed.
+    pub(super) fn check(&self) -> Result<(), Fault> {
+        let (Some(first), Some(last)) = (self.gyro.first_time_ns(), self.gyro.last_time_ns())
+        else {
+            return Err(Fault::whole("has no gyroscope samples"));
+        };
+        if self.accel.is_empty() {
+            return Err(Fault::whole("has no accelerometer samples"));
+        }
+        let length = last.saturating_sub(first);
+        if length < SHORTEST_NS {
+            return Err(Fault::whole(format!(
+                "is too short: {:.3} s of samples, a replay needs at least {} s",
+                seconds(length),
+                seconds(SHORTEST_NS)
+            )));
+        }
+        if length > LONGEST_NS {
+            return Err(Fault::whole(format!(
+                "is too long: its time stamps span {:.0} s, a replay takes at most {:.0} s",
+                seconds(length),
+                seconds(LONGEST_NS)
+            )));
+        }
+        check_rate(Sensor::Gyroscope, &self.gyro)?;
+        check_rate(Sensor::Accelerometer, &self.accel)
+    }
+
+    /// The recording with its first gyroscope sample at time 0.
+    pub(super) fn starting_at_zero(self) -> Self {
+        let start = self.gyro.first_time_ns().unwrap_or_default();
+        let Recorded {
+            attitude,
+            attitude_setpoint,
+            rates_setpoint,
+            thrust_setpoint,
+            position,
+        } = self.recorded;
+        Self {
+            format: self.format,
+            gyro: self.gyro.earlier(start),
+            accel: self.accel.earlier(start),
+            mag: self.mag.map(|t| t.earlier(start)),
+            motors: self.motors.map(|motors| Motors {
+                count: motors.count,
+                track: motors.track.earlier(start),
+            }),
+            recorded: Recorded {
+                attitude: attitude.map(|t| t.earlier(start)),
+                attitude_setpoint: attitude_setpoint.map(|t| t.earlier(start)),
+                rates_setpoint: rates_setpoint.map(|t| t.earlier(start)),
+                thrust_setpoint: thrust_setpoint.map(|t| t.earlier(start)),
+                position: position.map(|t| t.earlier(start)),
+            },
+        }
+    }
+}
+
+/// Refuses a sensor that was logged too slowly to replay.
+fn check_rate(sensor: Sensor, track: &Track<3>) -> Result<(), Fault> {
+    let rate = track.rate_hz();
+    if rate < SLOWEST_HZ {
+        let name = match sensor {
+            Sensor::Gyroscope => "gyroscope",
+            Sensor::Accelerometer => "accelerometer",
+            Sensor::Magnetometer => "magnetometer",
+        };
+        return Err(Fault::whole(format!(
+            "has its {name} at {rate:.1} Hz only, a replay needs at least {SLOWEST_HZ} Hz"
+        )));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_in_degrees_is_taken_for_a_wrong_unit() {
+        assert_eq!(Sensor::Gyroscope.check(20.0), Ok(()));
+        let error = Sensor::Gyroscope.check(400.0).expect_err("too fast");
+        assert!(error.contains("wrong unit"), "{error}");
+        assert!(Sensor::Accelerometer.check(f64::NAN).is_err());
+    }
+
+    #[test]
+    fn the_mean_counts_only_the_motors_in_use() {
+        let motors = Motors {
+            count: 4,
+            track: Track::constant([0.2, 0.4, 0.6, 0.8, 0.0, 0.0, 0.0, 0.0]),
+        };
+        assert_eq!(motors.mean().at(0), Some([0.5]));
+    }
+}

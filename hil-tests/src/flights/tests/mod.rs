@@ -1,0 +1,11 @@
+//! Tests of the flights as a whole; what they share is here too.
+
+mod csv_logs;
+mod fuzz;
+mod link;
+mod recordings;
+mod replay;
+pub(super) mod samples;
+mod setpoints;
+mod ulog_bytes;
+mod ulogs;

@@ -1,0 +1,233 @@
+//! Real flights, where they are at hand.
+
+use std::path::{Path, PathBuf};
+
+use crate::chips::stimulus::StimulusSource;
+use crate::flights::{
+    Bench, Flight, FlightStimulus, Rotate, Rotation, SetpointSource, Setpoints, sample_flight,
+    schedule,
+};
+
+/// Where recorded flights are looked for, from this package's folder.
+const RECORDINGS: &str = "../../shared/streams";
+
+/// A recorded flight, or `None`, with a message, where it is not at hand.
+fn recording(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join(RECORDINGS)
+        .join(name);
+    if path.is_file() {
+        return Some(path);
+    }
+    eprintln!(
+        "skipped: the recorded flight {} is not at hand",
+        path.display()
+    );
+    None
+}
+
+fn read(path: &Path) -> Flight {
+    Flight::read(path, Rotate::Auto).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Checks of any real flight; prints what a person would want to know of it.
+fn check(flight: &Flight) {
+    let setpoints = Setpoints::of(flight);
+    let frames = schedule(flight, &setpoints, Bench::default());
+    let mag = flight.mag.as_ref().map(|mag| (mag.len(), mag.rate_hz()));
+    eprintln!(
+        "{}: {:.1} s, gyro {:.0} Hz, {} gaps {:?}, {} ({}), mag {mag:?}, motors {:?}, {:?}, {} frames",
+        flight.name,
+        flight.duration_s(),
+        flight.gyro.rate_hz(),
+        flight.gaps.len(),
+        flight.gaps.first(),
+        flight.rotation,
+        flight.rotation_reason,
+        flight.motors.as_ref().map(|m| m.count),
+        setpoints.sources,
+        frames.len(),
+    );
+    let source = FlightStimulus::new(flight, Bench::default());
+    let start = Bench::default().length_ns();
+    for (time, value) in flight.gyro.iter() {
+        assert_eq!(source.at(start + time as u64).gyro, value);
+    }
+    let [_, _, z] = flight.specific_force_at_rest();
+    assert!(z < -5.0, "{}: starts with {z} m/s2 along z", flight.name);
+    for step in 0..100 {
+        let at = flight.duration_ns / 100 * step;
+        let thrust = setpoints.at(at).thrust;
+        assert!((0.0..=1.0).contains(&thrust), "{thrust}");
+    }
+}
+
+#[test]
+fn every_recorded_csv_is_read_and_turned_with_z_down() {
+    for (name, seconds, gaps, rotation, has_mag) in [
+        ("ansfl_phantom4_h11", 55.1, 0, Rotation::ROLL_180, false),
+        (
+            "ap33_solo_acro_crash_mpu6000_lsm303d",
+            100.0,
+            0,
+            Rotation::NONE,
+            true,
+        ),
+        (
+            "ap33_solo_loiter_mpu6000_lsm303d",
+            120.0,
+            0,
+            Rotation::NONE,
+            true,
+        ),
+        ("bf42_gecko_cruise", 120.0, 0, Rotation::ROLL_180, false),
+        (
+            "bf42_kakutef7_ar8_hover",
+            16.2,
+            0,
+            Rotation::ROLL_180,
+            false,
+        ),
+        (
+            "bf45_speedybee_freestyle",
+            16.3,
+            0,
+            Rotation::ROLL_180,
+            false,
+        ),
+        (
+            "bf45_speedybee_freestyle_unfilt",
+            16.3,
+            0,
+            Rotation::ROLL_180,
+            false,
+        ),
+        ("px4_v5_hexa_vib", 10.7, 0, Rotation::NONE, true),
+        ("px4_v6c_quad_calm", 85.6, 0, Rotation::NONE, true),
+    ] {
+        let Some(path) = recording(&format!("csv/{name}.csv")) else {
+            continue;
+        };
+        let flight = read(&path);
+        assert!((flight.duration_s() - seconds).abs() < 0.1, "{name}");
+        assert_eq!(flight.gaps.len(), gaps, "{name}: {:?}", flight.gaps);
+        assert_eq!(flight.rotation, rotation, "{name}");
+        assert_eq!(flight.mag.is_some(), has_mag, "{name}");
+        check(&flight);
+    }
+}
+
+#[test]
+fn every_recorded_ulog_is_read_with_its_own_setpoints() {
+    for (name, seconds, motors) in [("px4_v5_hexa_vib", 18.4, 6), ("px4_v6c_quad_calm", 92.5, 4)] {
+        let Some(path) = recording(&format!("raw/{name}.ulg")) else {
+            continue;
+        };
+        let flight = read(&path);
+        assert!((flight.duration_s() - seconds).abs() < 0.1, "{name}");
+        assert_eq!(flight.rotation, Rotation::NONE);
+        assert_eq!(flight.motors.as_ref().map(|m| m.count), Some(motors));
+        let sources = Setpoints::of(&flight).sources;
+        assert_eq!(sources.attitude, SetpointSource::Recorded);
+        assert_eq!(sources.rates, SetpointSource::Recorded);
+        assert_eq!(sources.thrust, SetpointSource::Recorded);
+        check(&flight);
+    }
+}
+
+#[test]
+fn the_default_flight_is_read() {
+    let flight = read(&sample_flight().expect("a dependency"));
+    assert!((flight.duration_s() - 68.9).abs() < 0.1);
+    assert!((flight.gyro.rate_hz() - 250.0).abs() < 1.0);
+    assert!(flight.mag.is_some());
+    check(&flight);
+}
+
+#[test]
+fn a_flight_is_the_same_in_both_kinds_of_log() {
+    let (Some(csv), Some(ulog)) = (
+        recording("csv/px4_v6c_quad_calm.csv"),
+        recording("raw/px4_v6c_quad_calm.ulg"),
+    ) else {
+        return;
+    };
+    let (csv, ulog) = (read(&csv), read(&ulog));
+    // The CSV holds the powered part: find its start by its first sample.
+    let first = csv.gyro.values()[0];
+    let same = |v: &[f64; 3]| v.iter().zip(first).all(|(a, b)| (a - b).abs() < 1e-6);
+    let start = ulog
+        .gyro
+        .values()
+        .iter()
+        .position(same)
+        .expect("in the log");
+    let ulog_values = &ulog.gyro.values()[start..start + csv.gyro.len()];
+    for (a, b) in csv.gyro.values().iter().zip(ulog_values) {
+        assert!(
+            a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5),
+            "{a:?} {b:?}"
+        );
+    }
+}
+
+#[test]
+fn the_computed_attitude_agrees_with_the_recorded_one() {
+    let Some(path) = recording("raw/px4_v6c_quad_calm.ulg") else {
+        return;
+    };
+    let recorded = read(&path);
+    let mut bare = recorded.clone();
+    bare.recorded = crate::flights::Recorded {
+        thrust_setpoint: None,
+        ..Default::default()
+    };
+    let mut filmed = recorded.clone();
+    filmed.recorded.attitude_setpoint = None;
+    let (computed, own) = (Setpoints::of(&bare), Setpoints::of(&filmed));
+    assert_eq!(computed.sources.attitude, SetpointSource::Computed);
+    assert_eq!(own.sources.attitude, SetpointSource::Motion);
+    for second in 1..90 {
+        let (a, b) = (
+            computed.at(second * 1_000_000_000),
+            own.at(second * 1_000_000_000),
+        );
+        let tilt = |q: [f64; 4]| {
+            let [w, x, y, z] = q;
+            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x)]
+        };
+        for (a, b) in tilt(a.attitude).iter().zip(tilt(b.attitude)) {
+            assert!((a - b).abs() < 0.07, "{second} s: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn logs_of_other_autopilots_are_refused() {
+    for name in [
+        "ap33_solo_log171.bin",
+        "bf42_gecko_cruise.bbl",
+        "bf42_kakutef7_ar8_hover.bfl",
+    ] {
+        let Some(path) = recording(&format!("raw/{name}")) else {
+            continue;
+        };
+        let error = Flight::read(&path, Rotate::Auto).expect_err("not readable");
+        assert!(error.to_string().contains("neither a ULog"), "{error}");
+    }
+    if let Some(path) = recording("raw/ansfl_phantom4_h11_imu1.csv") {
+        let error = Flight::read(&path, Rotate::Auto).expect_err("other columns");
+        assert!(error.to_string().contains("line 1"), "{error}");
+    }
+}
+
+#[test]
+fn a_real_log_cut_short_is_refused() {
+    let Some(path) = recording("raw/px4_v5_hexa_vib.ulg") else {
+        return;
+    };
+    let bytes = std::fs::read(&path).expect("at hand");
+    let half = &bytes[..bytes.len() / 2];
+    let fault = Flight::of_bytes("half".to_owned(), half, Rotate::Auto).expect_err("cut off");
+    assert!(fault.reason.contains("cut off"), "{fault:?}");
+}

@@ -1,0 +1,20 @@
+//! Everything of Reflex that runs on the host: emulated board, flights, scores.
+//!
+//! - [`board`]: the firmware's ELF on an emulated processor, behind a small interface
+//! - [`chips`]: the sensors, written from their datasheets
+//! - [`flights`]: recorded flights, as stimulus, setpoints and link frames
+//! - [`replay`]: puts the three together; [`scoring`] judges what happened
+//! - [`firmware`]: builds and measures the ELF, with the [`toolchain`] it needs
+//! - [`commands`]: the command line of `cargo hil`
+
+pub mod board;
+pub mod chips;
+pub mod commands;
+pub mod firmware;
+pub mod flights;
+pub mod progress;
+pub mod refusal;
+pub mod replay;
+pub mod replay_options;
+pub mod scoring;
+pub mod toolchain;

@@ -1,0 +1,92 @@
+//! A recorded flight through the unmodified firmware on the emulated board.
+//!
+//! ```text
+//! log -> flight -> chips -> [ firmware on the board ] -> motor registers, call log, defmt
+//!           \-> setpoints -> link frames -^                      |
+//!                            the same calls, natively -> reference, mirror -> score
+//! ```
+//! What the firmware did is read from three independent sources: its motor registers, the
+//! edges on its interrupt lines, and its call log. They are held against each other, and the
+//! calls are made again on a native autopilot: a firmware whose registers do not hold the
+//! command it computed, or that computes other bits than the host, fails the replay.
+
+mod about;
+mod alignment;
+mod bench;
+mod observation;
+mod story;
+
+use anyhow::{Context, Result, bail};
+use std::fs::File;
+use std::io::BufWriter;
+
+use crate::firmware::Firmware;
+use crate::flights::{Flight, sample_flight};
+use crate::progress::Progress;
+use crate::refusal::Refusal;
+use crate::replay_options::ReplayOptions;
+use crate::scoring::{Report, score};
+
+use alignment::Alignment;
+use bench::TestBench;
+use observation::Observation;
+use story::Story;
+
+/// Replays a flight and scores it.
+///
+/// # Errors
+/// A flight that cannot be read, firmware that cannot be built, a fault of the board, or a
+/// firmware that contradicts itself or the host.
+pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Report> {
+    let path = match &options.log {
+        Some(path) => path.clone(),
+        None => sample_flight()?,
+    };
+    let flight = Flight::read(&path, options.rotate)?;
+    let defmt = open_defmt(options)?;
+    let firmware = Firmware::build(progress)?;
+    let mut bench = TestBench::new(&flight, options, &firmware)?;
+    let mut observation = Observation::new(defmt);
+    progress.stage(&format!("Replaying {}", path.display()));
+    bench.run(&mut observation, progress)?;
+    let outcome = bench.finish(&mut observation)?;
+    observation.check()?;
+
+    progress.stage("Scoring");
+    let alignment = Alignment::of(&observation, options.settings.motors)?;
+    let start_us = alignment.clock_us(bench.flight_start_ns());
+    let story = Story::tell(&observation.calls, options.settings, start_us)?;
+    if story.runs_in_the_air == 0 {
+        bail!("the firmware never armed: see its log with --defmt FILE");
+    }
+    let rules = story.rules();
+    let score = score(&story.flight, &rules, |rate_hz| story.fly_periodic(rate_hz));
+    let log = options
+        .log
+        .as_ref()
+        .map_or_else(|| flight.name.clone(), |log| log.display().to_string());
+    let about = about::About {
+        options,
+        flight: &flight,
+        firmware: &firmware,
+        bench: &bench,
+        observation: &observation,
+        outcome: &outcome,
+        alignment: &alignment,
+        story: &story,
+    };
+    Ok(Report {
+        about: about.tell(log),
+        score,
+    })
+}
+
+fn open_defmt(options: &ReplayOptions) -> Result<Option<BufWriter<File>>> {
+    let Some(path) = &options.defmt else {
+        return Ok(None);
+    };
+    let file = File::create(path)
+        .map_err(|error| Refusal::new(format!("--defmt {}: {error}", path.display())))
+        .context("the decoded log cannot be written")?;
+    Ok(Some(BufWriter::new(file)))
+}

@@ -1,0 +1,318 @@
+//! What the report says around the score: options, sensors, latency, load, counters.
+
+use std::collections::BTreeMap;
+
+use reflex::app::Fault;
+use reflex::reactive::{Fit, Phase};
+use reflex::sensors::Input;
+use reflex::settings::{MotorProtocol, Policy, Reference, WarmUp};
+
+use super::alignment::{AlignedRun, Alignment};
+use super::bench::{SampleCount, TestBench, held};
+use super::observation::Observation;
+use super::story::Story;
+use crate::board::{Line, Outcome};
+use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
+use crate::firmware::Firmware;
+use crate::flights::{self, Flight};
+use crate::replay_options::ReplayOptions;
+use crate::scoring::{
+    self, BoardTime, Cpu, Gap, LatencySample, ModelState, MotorDigest, Options, Sensor,
+    SetpointSource, latencies,
+};
+
+/// Everything that the report is told from.
+pub(super) struct About<'r, 'c> {
+    pub(super) options: &'r ReplayOptions,
+    pub(super) flight: &'r Flight,
+    pub(super) firmware: &'r Firmware,
+    pub(super) bench: &'r TestBench,
+    pub(super) observation: &'r Observation,
+    pub(super) outcome: &'r Outcome,
+    pub(super) alignment: &'r Alignment,
+    pub(super) story: &'r Story<'c>,
+}
+
+impl About<'_, '_> {
+    pub(super) fn tell(&self, log: String) -> scoring::About {
+        scoring::About {
+            log,
+            policy: match self.options.settings.policy {
+                Policy::Reactive => "reactive".into(),
+                Policy::Periodic(_) => "periodic".into(),
+            },
+            seed: u64::from(self.options.settings.seed),
+            options: self.options(),
+            setpoint: self.setpoint(),
+            gaps: self.gaps(),
+            firmware: scoring::Firmware {
+                flash_bytes: self.firmware.sizes.flash_bytes.into(),
+                ram_bytes: self.firmware.sizes.ram_bytes.into(),
+                stack_bytes: self.outcome.stack.used.into(),
+            },
+            sensors: Input::ALL.map(|input| self.sensor(input)).into(),
+            latency_us: latencies(&self.story.flight, &self.latency_samples()),
+            cpu: self.cpu(),
+            board: BoardTime {
+                virtual_s: self.outcome.ended_ns as f64 * 1e-9,
+                start_up_s: self
+                    .story
+                    .first_hyperperiod_us
+                    .map_or(0.0, |at| self.alignment.board_ns(at) as f64 * 1e-9),
+            },
+            counters: self.counters(),
+            digest: self.digest(),
+        }
+    }
+
+    fn options(&self) -> Options {
+        let settings = &self.options.settings;
+        let seconds = |span: reflex::time::Duration| span.ticks() as f64 * 1e-6;
+        Options {
+            rate_hz: match settings.policy {
+                Policy::Reactive => None,
+                Policy::Periodic(period) => Some(1.0 / seconds(period)),
+            },
+            reference: match settings.reference {
+                Reference::PreviousSample => "previous-sample".into(),
+                Reference::LastRun => "last-run".into(),
+            },
+            p_run: short(settings.p_run),
+            warm_up_s: match settings.warm_up {
+                WarmUp::Automatic => None,
+                WarmUp::Fixed(length) => Some(seconds(length)),
+            },
+            failsafe_s: seconds(settings.failsafe),
+            quantum: short(settings.quantum),
+            motors: match settings.motors {
+                MotorProtocol::OneShot125 => "oneshot125".into(),
+                MotorProtocol::Pwm => "pwm".into(),
+            },
+            rotate: format!("{} ({})", self.flight.rotation, self.flight.rotation_reason),
+            noise: if self.options.noise { "datasheet" } else { "none" }.into(),
+            duration_s: self.options.duration_s,
+        }
+    }
+
+    fn setpoint(&self) -> SetpointSource {
+        match self.bench.setpoints.sources.attitude {
+            flights::SetpointSource::Recorded => SetpointSource::Log,
+            _ => SetpointSource::LowPassed,
+        }
+    }
+
+    fn gaps(&self) -> Vec<Gap> {
+        let gaps = self.flight.gaps.iter();
+        gaps.map(|gap| Gap {
+            start_s: gap.at_s,
+            length_s: gap.length_s,
+        })
+        .collect()
+    }
+
+    /// The end of the warm-up on the firmware's clock (us); the replay's end where it lasts.
+    fn scored_from_us(&self) -> u64 {
+        let flight = &self.story.flight;
+        flight.warm_up_end_us().unwrap_or(flight.last_us())
+    }
+
+    fn scored_runs(&self) -> impl Iterator<Item = &AlignedRun> {
+        let from = self.scored_from_us();
+        self.alignment.runs.iter().filter(move |run| run.at_us > from)
+    }
+
+    fn sensor(&self, input: Input) -> Sensor {
+        let from_ns = self.alignment.board_ns(self.scored_from_us());
+        let since = |edges: &[u64]| (edges.len() - edges.partition_point(|at| *at <= from_ns)) as u64;
+        let line = match input {
+            Input::Gyro | Input::Accel => Line::ImuReady,
+            Input::ChipAccel => Line::AccelThreshold,
+            Input::ChipMag => Line::MagEvent,
+        };
+        let interrupts = since(&self.observation.edges[line.pin() as usize]);
+        let samples = match input {
+            // Every sample of the MPU6050 pulses its line.
+            Input::Gyro | Input::Accel => interrupts,
+            Input::ChipAccel => samples_since(&self.bench.samples, from_ns, |count| count.accel),
+            Input::ChipMag => samples_since(&self.bench.samples, from_ns, |count| count.mag),
+        };
+        let present = input != Input::ChipMag || self.flight.mag.is_some();
+        let fit = self.story.mirror.fit(input);
+        let model = match fit {
+            Fit::Model(model) => Some(model),
+            Fit::Unfit | Fit::Irrelevant => None,
+        };
+        Sensor {
+            name: input.name().into(),
+            present,
+            samples,
+            interrupts,
+            triggers: self
+                .scored_runs()
+                .filter(|run| run.ran.asked >> input as u8 & 1 == 1)
+                .count() as u64,
+            state: self.state(fit, present),
+            threshold: model.map(|_| short(self.story.mirror.threshold(input))),
+            unit: match input {
+                Input::Gyro => "rad/s",
+                Input::Accel | Input::ChipAccel => "m/s2",
+                Input::ChipMag => "gauss",
+            }
+            .into(),
+            chip_threshold: match input {
+                Input::Gyro | Input::Accel => None,
+                Input::ChipAccel => accel_threshold(&held(&self.bench.accel)),
+                Input::ChipMag => mag_threshold(&held(&self.bench.mag)),
+            },
+            b1: model.map(|model| short(model.b1)),
+            b2: model.map(|model| short(model.b2)),
+        }
+    }
+
+    fn state(&self, fit: Fit, present: bool) -> ModelState {
+        let learning = self.story.mirror.telemetry().phase != Phase::Reactive;
+        match fit {
+            _ if !present => ModelState::Absent,
+            Fit::Model(_) => ModelState::Fit,
+            Fit::Irrelevant => ModelState::Irrelevant,
+            Fit::Unfit if learning => ModelState::Learning,
+            Fit::Unfit => ModelState::Unfit,
+        }
+    }
+
+    /// From the interrupt of the newest gating sample to the write of the motors.
+    fn latency_samples(&self) -> Vec<LatencySample> {
+        self.alignment
+            .runs
+            .iter()
+            .filter_map(|run| {
+                Some(LatencySample {
+                    at_us: run.at_us,
+                    reason: run.ran.reason,
+                    micros: run.written_ns.checked_sub(run.interrupt_ns?)? as f64 * 1e-3,
+                })
+            })
+            .collect()
+    }
+
+    fn cpu(&self) -> Cpu {
+        let from_ns = self.alignment.board_ns(self.scored_from_us());
+        let rate = self.outcome.load.instructions_per_second as f64 * 1e-9;
+        // A run is what lies between its handler's entry and its write; the core never sleeps
+        // in between.
+        let starts = &self.observation.run_starts;
+        let lengths: Vec<f64> = self
+            .scored_runs()
+            .filter_map(|run| {
+                let place = starts.partition_point(|start| *start <= run.written_ns);
+                let start = *starts.get(place.checked_sub(1)?)?;
+                Some((run.written_ns - start) as f64 * rate)
+            })
+            .filter(|instructions| *instructions < LONGEST_RUN)
+            .collect();
+        let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
+        Cpu {
+            busy_fraction: (!self.story.flight.steps().is_empty())
+                .then(|| self.outcome.load.busy_fraction(from_ns)),
+            instructions_per_run: (!lengths.is_empty()).then_some(mean),
+        }
+    }
+
+    fn counters(&self) -> BTreeMap<String, u64> {
+        let mut counters: BTreeMap<String, u64> = Fault::ALL
+            .iter()
+            .map(|fault| (snake_case(&format!("{fault:?}")), self.story.mirror.faults(*fault).into()))
+            .collect();
+        let link = &self.outcome.link;
+        counters.extend([
+            ("fallbacks".into(), self.story.fallbacks),
+            ("link_bytes_received".into(), link.received),
+            ("link_bytes_sent".into(), link.sent),
+            ("link_bytes_lost".into(), link.lost),
+            ("log_lines".into(), self.observation.log_lines),
+            ("log_errors".into(), self.observation.errors.len() as u64),
+            ("log_frames_damaged".into(), self.outcome.damaged_log_frames),
+            ("motor_writes".into(), self.observation.motors.len() as u64),
+            ("calls".into(), self.observation.calls.len() as u64),
+        ]);
+        counters
+    }
+
+    fn digest(&self) -> String {
+        let mut digest = MotorDigest::new();
+        for write in &self.observation.motors {
+            digest.write(write.at_ns, &write.pulse_ns);
+        }
+        digest.hex()
+    }
+}
+
+/// Longer than this a write belongs to no hyperperiod's handler: the failsafe's has its own.
+const LONGEST_RUN: f64 = 50_000.0;
+
+/// A float as it was written, without the digits that its binary form adds.
+fn short(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
+}
+
+/// Samples since an instant, counted between the two looks around it.
+fn samples_since(counts: &[SampleCount], from_ns: u64, of: impl Fn(&SampleCount) -> u64) -> u64 {
+    let Some(last) = counts.last() else {
+        return 0;
+    };
+    let place = counts.partition_point(|count| count.at_ns <= from_ns);
+    let (Some(after), before) = (counts.get(place), place.checked_sub(1).map(|i| &counts[i])) else {
+        return 0;
+    };
+    let (before_ns, before) = before.map_or((0, 0), |count| (count.at_ns, of(count)));
+    let share = (from_ns - before_ns) as f64 / (after.at_ns - before_ns) as f64;
+    let at_start = before as f64 + share * (of(after) - before) as f64;
+    (of(last) as f64 - at_start).round() as u64
+}
+
+/// The threshold in force on INT_1_XL: INT1_THS_A where CTRL_REG3_A routes the generator.
+fn accel_threshold(chip: &Accelerometer) -> Option<u32> {
+    const I1_AOI1: u8 = 0x40;
+    (chip.register(0x22) & I1_AOI1 != 0).then(|| u32::from(chip.register(0x32)))
+}
+
+/// The threshold in force on INT_MAG: INT_THS_REG_M where INT_CTRL_REG_M enables it.
+fn mag_threshold(chip: &Magnetometer) -> Option<u32> {
+    const IEN: u8 = 0x01;
+    (chip.register(0x63) & IEN != 0)
+        .then(|| u32::from(u16::from_le_bytes([chip.register(0x65), chip.register(0x66)])))
+}
+
+fn snake_case(name: &str) -> String {
+    let mut snake = String::new();
+    for (place, letter) in name.char_indices() {
+        if letter.is_uppercase() && place > 0 {
+            snake.push('_');
+        }
+        snake.extend(letter.to_lowercase());
+    }
+    snake
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_counted_from_between_two_looks() {
+        let count = |at_ns, accel| SampleCount {
+            at_ns,
+            accel,
+            mag: 0,
+        };
+        let counts = [count(100, 10), count(200, 20), count(300, 30)];
+        assert_eq!(samples_since(&counts, 150, |count| count.accel), 15);
+        assert_eq!(samples_since(&counts, 50, |count| count.accel), 25);
+        assert_eq!(samples_since(&counts, 300, |count| count.accel), 0);
+    }
+
+    #[test]
+    fn numbers_are_reported_as_they_were_given() {
+        assert_eq!(short(0.6), 0.6);
+    }
+}

@@ -1,0 +1,137 @@
+//! The test bench: chips and link frames of one flight around one booted board.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use anyhow::Result;
+
+use super::observation::Observation;
+use crate::board::emulated::{EmulatedBoard, Sensors};
+use crate::board::{Board, Elf, Options, Outcome};
+use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
+use crate::chips::{ChipOptions, Mpu6050, Present, StimulusSource};
+use crate::firmware::Firmware;
+use crate::flights::{Bench, Flight, FlightStimulus, LinkFrame, Setpoints, schedule};
+use crate::progress::Progress;
+use crate::replay_options::ReplayOptions;
+
+/// Virtual time between two looks at the chips' sample counters.
+const STEP_NS: u64 = 20_000_000;
+
+/// Symbol of the handler in which control runs at the end of a hyperperiod.
+pub(super) const RUN_SYMBOL: &str = "CAN2_TX";
+
+/// How many samples the dies of the LSM303AGR had produced at an instant.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SampleCount {
+    pub(super) at_ns: u64,
+    pub(super) accel: u64,
+    pub(super) mag: u64,
+}
+
+/// Everything that is on the table.
+pub(super) struct TestBench {
+    board: Option<Box<EmulatedBoard>>,
+    pub(super) accel: Arc<Mutex<Accelerometer>>,
+    pub(super) mag: Arc<Mutex<Magnetometer>>,
+    pub(super) setpoints: Setpoints,
+    pub(super) samples: Vec<SampleCount>,
+    at_rest: Bench,
+    end_ns: u64,
+}
+
+impl TestBench {
+    /// Builds the chips, boots the board and schedules the link's frames.
+    pub(super) fn new(flight: &Flight, options: &ReplayOptions, firmware: &Firmware) -> Result<Self> {
+        let at_rest = Bench::default();
+        let source: Arc<dyn StimulusSource> = Arc::new(FlightStimulus::new(flight, at_rest));
+        let chip_options = ChipOptions {
+            seed: u64::from(options.settings.seed),
+            noise: options.noise,
+            present: Present {
+                magnetometer: flight.mag.is_some(),
+                ..Present::default()
+            },
+            ..ChipOptions::default()
+        };
+        let imu = Mpu6050::new(Arc::clone(&source), chip_options);
+        let accel = Arc::new(Mutex::new(Accelerometer::new(Arc::clone(&source), chip_options)));
+        let mag = Arc::new(Mutex::new(Magnetometer::new(source, chip_options)));
+        let sensors = Sensors {
+            imu: Arc::new(Mutex::new(imu)),
+            accel: accel.clone(),
+            mag: mag.clone(),
+        };
+        let elf = Arc::new(Elf::parse(firmware.bytes.clone())?);
+        let board_options = Options {
+            settings: Some(options.settings.to_bytes().to_vec()),
+            watches: vec![RUN_SYMBOL.into()],
+            ..Options::default()
+        };
+        let mut board = EmulatedBoard::boot(&elf, sensors, &board_options)?;
+        let length_s = options
+            .duration_s
+            .unwrap_or(f64::INFINITY)
+            .min(flight.duration_s());
+        let end_ns = at_rest.length_ns() + (length_s * 1e9) as u64;
+        let setpoints = Setpoints::of(flight);
+        for LinkFrame { at_ns, bytes } in schedule(flight, &setpoints, at_rest) {
+            if at_ns < end_ns {
+                board.transmit(at_ns, &bytes);
+            }
+        }
+        Ok(Self {
+            board: Some(Box::new(board)),
+            accel,
+            mag,
+            setpoints,
+            samples: Vec::new(),
+            at_rest,
+            end_ns,
+        })
+    }
+
+    /// When the log begins, in ns of the board's time.
+    pub(super) fn flight_start_ns(&self) -> u64 {
+        self.at_rest.length_ns()
+    }
+
+    /// Runs to the end of the flight.
+    pub(super) fn run(
+        &mut self,
+        observation: &mut Observation,
+        progress: &mut dyn Progress,
+    ) -> Result<()> {
+        let Some(board) = &mut self.board else {
+            return Ok(());
+        };
+        let total = seconds(self.end_ns - self.at_rest.length_ns());
+        let mut at_ns = 0;
+        while at_ns < self.end_ns {
+            at_ns = (at_ns + STEP_NS).min(self.end_ns);
+            board.run_until(at_ns, observation)?;
+            self.samples.push(SampleCount {
+                at_ns,
+                accel: held(&self.accel).samples(),
+                mag: held(&self.mag).samples(),
+            });
+            progress.done(seconds(at_ns.saturating_sub(self.at_rest.length_ns())), total);
+        }
+        Ok(())
+    }
+
+    /// Takes the board off the table and says what can only be measured at the end.
+    pub(super) fn finish(&mut self, observation: &mut Observation) -> Result<Outcome> {
+        observation.flush()?;
+        let board = self.board.take().expect("finished once");
+        Ok(board.finish()?)
+    }
+}
+
+/// A chip that panicked is reported by that panic, not by its lock.
+pub(super) fn held<T>(chip: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    chip.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn seconds(nanos: u64) -> f64 {
+    nanos as f64 * 1e-9
+}

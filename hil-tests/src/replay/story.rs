@@ -1,0 +1,231 @@
+//! The calls of a replay told again: a reference, a mirror, and the flight that is scored.
+//!
+//! The *reference* is a second autopilot that runs at every gating sample of the same flight,
+//! with its own state. The *mirror* makes the firmware's very calls and must come to the
+//! firmware's very commands, bit for bit.
+
+use anyhow::{Result, bail};
+use reflex::app::{Autopilot, Call, Next, Ran, Reason, Recorder, Stamped};
+use reflex::config::{ARMED_MINIMUM, HYPERPERIOD, MOTORS};
+use reflex::reactive::Phase;
+use reflex::settings::{Policy, Settings};
+use reflex::time::{Instant, micros};
+
+use crate::scoring::{Command, Flight, Held, Rules, Run};
+
+/// What the calls amount to.
+pub(super) struct Story<'c> {
+    calls: &'c [Stamped],
+    settings: Settings,
+    start_us: u64,
+    pub(super) flight: Flight,
+    /// Places among the calls of the samples that ended the flight's hyperperiods.
+    ends: Vec<usize>,
+    pub(super) mirror: Autopilot<LastRan>,
+    /// Runs with motors that may turn.
+    pub(super) runs_in_the_air: u64,
+    /// Times that reactive control was left for a fallback.
+    pub(super) fallbacks: u64,
+    /// The firmware's clock at the first end of a hyperperiod, in us.
+    pub(super) first_hyperperiod_us: Option<u64>,
+}
+
+/// Keeps the newest outcome.
+#[derive(Default)]
+pub(super) struct LastRan(Option<(Instant, Ran)>);
+
+impl Recorder for LastRan {
+    fn record(&mut self, at: Instant, call: &Call) {
+        if let Call::Ran(ran) = call {
+            self.0 = Some((at, *ran));
+        }
+    }
+}
+
+/// The hyperperiod that a gating sample has ended and the next one will close.
+struct Open {
+    at_us: u64,
+    reference: Command,
+    run: Option<Run>,
+}
+
+impl<'c> Story<'c> {
+    /// Makes the calls again; hyperperiods count from `start_us` of the firmware's clock.
+    pub(super) fn tell(calls: &'c [Stamped], settings: Settings, start_us: u64) -> Result<Self> {
+        let mut story = Self {
+            calls,
+            settings,
+            start_us,
+            flight: Flight::new(start_us, [0.0; MOTORS]),
+            ends: Vec::new(),
+            mirror: Autopilot::new(settings, LastRan::default()),
+            runs_in_the_air: 0,
+            fallbacks: 0,
+            first_hyperperiod_us: None,
+        };
+        if settings.policy != Policy::Reactive {
+            story.flight.end_warm_up(start_us);
+        }
+        story.walk()?;
+        Ok(story)
+    }
+
+    fn walk(&mut self) -> Result<()> {
+        let mut reference = Native::new(self.settings, HYPERPERIOD);
+        let mut open: Option<Open> = None;
+        let mut by_timer = false;
+        let mut phase = Phase::Ground;
+        for (place, stamped) in self.calls.iter().enumerate() {
+            let at_us = stamped.at.ticks();
+            stamped.call.replay(stamped.at, &mut self.mirror);
+            phase = self.notice_phase(phase, at_us);
+            let ended = reference.take(stamped);
+            match stamped.call {
+                Call::Imu(_) if ended => {
+                    self.close(&mut open);
+                    self.first_hyperperiod_us.get_or_insert(at_us);
+                    if at_us >= self.start_us {
+                        self.ends.push(place);
+                    }
+                    open = Some(Open {
+                        at_us,
+                        reference: reference.command,
+                        run: None,
+                    });
+                }
+                Call::Timer => by_timer = true,
+                Call::Hyperperiod => by_timer = false,
+                Call::Ran(ran) => {
+                    self.compare(stamped.at, &ran)?;
+                    self.take_run(&ran, at_us, by_timer, &mut open);
+                }
+                _ => {}
+            }
+        }
+        self.close(&mut open);
+        Ok(())
+    }
+
+    fn notice_phase(&mut self, before: Phase, at_us: u64) -> Phase {
+        let phase = self.mirror.telemetry().phase;
+        if phase == Phase::Reactive {
+            self.flight.end_warm_up(at_us);
+        }
+        if matches!(phase, Phase::Fallback(_)) && !matches!(before, Phase::Fallback(_)) {
+            self.fallbacks += 1;
+        }
+        phase
+    }
+
+    fn take_run(&mut self, ran: &Ran, at_us: u64, by_timer: bool, open: &mut Option<Open>) {
+        if ran.reason != Reason::Ground && ran.shares != [0.0; MOTORS] {
+            self.runs_in_the_air += 1;
+        }
+        let run = Run {
+            reason: ran.reason,
+            asked: ran.reason == Reason::Trigger,
+            command: ran.shares,
+        };
+        match open {
+            Some(open) if !by_timer && open.run.is_none() => open.run = Some(run),
+            _ => {
+                self.close(open);
+                if at_us >= self.start_us {
+                    self.flight.run_early(run);
+                }
+            }
+        }
+    }
+
+    fn close(&mut self, open: &mut Option<Open>) {
+        if let Some(open) = open.take()
+            && open.at_us >= self.start_us
+        {
+            self.flight
+                .end_hyperperiod(open.at_us, open.reference, open.run);
+        }
+    }
+
+    /// The same calls must have come to the same bits on the host.
+    fn compare(&mut self, at: Instant, firmware: &Ran) -> Result<()> {
+        let host = self.mirror.recorder().0.take();
+        if host == Some((at, *firmware)) {
+            return Ok(());
+        }
+        let seconds = at.ticks() as f64 * 1e-6;
+        bail!(
+            "the same calls gave another command on the host, at {seconds:.6} s of the \
+             firmware's clock: firmware {firmware:?}, host {host:?}"
+        )
+    }
+
+    /// How this flight is judged.
+    pub(super) fn rules(&self) -> Rules {
+        Rules {
+            quantum: self.settings.quantum,
+            failsafe_us: self.settings.failsafe.ticks(),
+            limits: ARMED_MINIMUM..=1.0,
+            periodic_hz: 1.0..=1e6 / HYPERPERIOD.ticks() as f64,
+        }
+    }
+
+    /// Periodic control at a rate on the same flight: what it held at each hyperperiod's end.
+    pub(super) fn fly_periodic(&self, rate_hz: f64) -> Vec<Held> {
+        let period = micros((1e6 / rate_hz).round() as u64);
+        let mut periodic = Native::new(self.settings, period);
+        let mut held = Vec::with_capacity(self.ends.len());
+        let mut ends = self.ends.iter().peekable();
+        for (place, stamped) in self.calls.iter().enumerate() {
+            let ran = periodic.take(stamped);
+            if ends.next_if_eq(&&place).is_some() {
+                held.push(Held {
+                    command: periodic.command,
+                    runs: u32::from(ran),
+                });
+            }
+        }
+        held
+    }
+}
+
+/// An autopilot on the host that is given the flight's inputs and runs at a period.
+struct Native {
+    autopilot: Autopilot<()>,
+    command: Command,
+}
+
+impl Native {
+    fn new(settings: Settings, period: reflex::time::Duration) -> Self {
+        let settings = Settings {
+            policy: Policy::Periodic(period),
+            ..settings
+        };
+        Self {
+            autopilot: Autopilot::new(settings, ()),
+            command: [0.0; MOTORS],
+        }
+    }
+
+    /// Takes an input of the flight; true where it ran.
+    fn take(&mut self, stamped: &Stamped) -> bool {
+        match &stamped.call {
+            Call::Imu(burst) => {
+                if self.autopilot.on_imu(stamped.at, burst) != Next::Hyperperiod {
+                    return false;
+                }
+                match self.autopilot.on_hyperperiod(stamped.at) {
+                    Some(output) => {
+                        self.command = output.share();
+                        true
+                    }
+                    None => false,
+                }
+            }
+            Call::ChipAccel(..) | Call::ChipMag(..) | Call::Message(_) => {
+                stamped.call.replay(stamped.at, &mut self.autopilot);
+                false
+            }
+            _ => false,
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! What a replay may be told, once it is known to make sense.
+
+use std::path::PathBuf;
+
+use reflex::settings::Settings;
+
+use crate::flights::Rotate;
+
+/// The options of one replay, checked; made by the command line or by a test.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReplayOptions {
+    /// The recorded flight; none for the one that comes with the crates.
+    pub log: Option<PathBuf>,
+    /// What the firmware is told; its seed also seeds noise and oscillators.
+    pub settings: Settings,
+    /// Most of the flight that is replayed, in s; none for all of it.
+    pub duration_s: Option<f64>,
+    /// How the log's axes lie in the body's.
+    pub rotate: Rotate,
+    /// The sensors add the noise of their datasheets.
+    pub noise: bool,
+    /// Where the firmware's decoded log is written.
+    pub defmt: Option<PathBuf>,
+}
+
+impl Default for ReplayOptions {
+    fn default() -> Self {
+        Self {
+            log: None,
+            settings: Settings::default(),
+            duration_s: None,
+            rotate: Rotate::Auto,
+            noise: true,
+            defmt: None,
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! The JSON report of a replay: its score, and everything that the replay knows of itself.
+
+use super::Score;
+use super::latency::Quantiles;
+use super::reason::ByReason;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// The report, one flat JSON object.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// What was replayed, how, and on what.
+    #[serde(flatten)]
+    pub about: About,
+    /// What came of it.
+    #[serde(flatten)]
+    pub score: Score,
+}
+
+/// What was replayed, how, and on what; and what the board showed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct About {
+    /// The log's path as it was given.
+    pub log: String,
+    /// `reactive` or `periodic`.
+    pub policy: String,
+    /// Seed of noise, oscillators and exploration.
+    pub seed: u64,
+    /// Every option in effect, defaults included.
+    pub options: Options,
+    /// Where the setpoint came from.
+    pub setpoint: SetpointSource,
+    /// Gaps in the log's samples.
+    pub gaps: Vec<Gap>,
+    /// Sizes of the firmware that was replayed.
+    pub firmware: Firmware,
+    /// Every sensor, present in the log or not.
+    pub sensors: Vec<Sensor>,
+    /// Interrupt to motor register, by reason, after warm-up; null for a reason without a run.
+    pub latency_us: ByReason<Option<Quantiles>>,
+    /// Load of the processor after warm-up.
+    pub cpu: Cpu,
+    /// Times of the emulated board and of the replay.
+    pub board: BoardTime,
+    /// Everything that was counted by name: faults, dropped frames, fallbacks.
+    pub counters: BTreeMap<String, u64>,
+    /// SHA-256 over all motor writes with their times.
+    pub digest: String,
+}
+
+/// Options in effect, in the spelling of the command line.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Options {
+    /// Rate of the periodic policy in hertz; null under the reactive one.
+    pub rate_hz: Option<f64>,
+    /// `previous-sample` or `last-run`.
+    pub reference: String,
+    /// Probability of a change above which control runs.
+    pub p_run: f64,
+    /// Fixed length of the warm-up in seconds; null where the models decide.
+    pub warm_up_s: Option<f64>,
+    /// The longest time between runs, in seconds.
+    pub failsafe_s: f64,
+    /// The change of a motor command that counts, as a share of full scale.
+    pub quantum: f64,
+    /// `oneshot125` or `pwm`.
+    pub motors: String,
+    /// Rotation from the log's axes to the board's.
+    pub rotate: String,
+    /// `datasheet` or `none`.
+    pub noise: String,
+    /// Seconds of the log that were replayed at most; null for all.
+    pub duration_s: Option<f64>,
+}
+
+/// Where the setpoint of a replay came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SetpointSource {
+    /// The log records it.
+    Log,
+    /// The log's own attitude and rates, low-passed at 1 Hz without delay.
+    LowPassed,
+}
+
+impl SetpointSource {
+    /// The source as a person reads it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Log => "as logged",
+            Self::LowPassed => "from the log's own attitude and rates, low-passed",
+        }
+    }
+}
+
+/// A stretch without samples in the log.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gap {
+    /// Start in seconds of the log.
+    pub start_s: f64,
+    /// Length in seconds.
+    pub length_s: f64,
+}
+
+/// What the firmware takes of the chip.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Firmware {
+    /// Bytes of flash.
+    pub flash_bytes: u64,
+    /// Bytes of `.data`, `.bss` and `.uninit`.
+    pub ram_bytes: u64,
+    /// High-water mark of the stack in bytes, measured in this replay.
+    pub stack_bytes: u64,
+}
+
+/// What a sensor's model came to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ModelState {
+    /// The log lacks the sensor.
+    Absent,
+    /// Not fitted yet.
+    Learning,
+    /// Fitted: it triggers past its threshold.
+    Fit,
+    /// It says no more than the gyro does: it joins and never triggers.
+    Irrelevant,
+    /// It could not be fitted: it triggers, bounded by the fallback.
+    Unfit,
+}
+
+impl ModelState {
+    /// The state as the report spells it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Absent => "absent",
+            Self::Learning => "learning",
+            Self::Fit => "fit",
+            Self::Irrelevant => "irrelevant",
+            Self::Unfit => "unfit",
+        }
+    }
+}
+
+/// One triggering input at the end of the replay.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Sensor {
+    /// Name of the input, chip first.
+    pub name: String,
+    /// Whether the log has it; an absent sensor answers with a constant sample.
+    pub present: bool,
+    /// Samples that the chip produced.
+    pub samples: u64,
+    /// Interrupts that it raised.
+    pub interrupts: u64,
+    /// Runs that it asked for, alone or with others.
+    pub triggers: u64,
+    /// What its model came to.
+    pub state: ModelState,
+    /// The change above which it asks for a run, in `unit`; null without a model.
+    pub threshold: Option<f64>,
+    /// Unit of the threshold: `rad/s`, `m/s2` or `gauss`.
+    pub unit: String,
+    /// Threshold code in the chip's register as read back; null where the chip cannot compare.
+    pub chip_threshold: Option<u32>,
+    /// The model's `b1`; null without a model.
+    pub b1: Option<f64>,
+    /// The model's `b2`, per unit; null without a model.
+    pub b2: Option<f64>,
+}
+
+/// Load of the processor after warm-up.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Cpu {
+    /// Share of time in which it did not sleep; null over no time.
+    pub busy_fraction: Option<f64>,
+    /// Instructions of one run of the control logic, on average; null without a run.
+    pub instructions_per_run: Option<f64>,
+}
+
+/// How long the board and the host took.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct BoardTime {
+    /// Virtual seconds that the board ran, start-up included.
+    pub virtual_s: f64,
+    /// Virtual seconds from reset to the first hyperperiod.
+    pub start_up_s: f64,
+}
+
+impl Report {
+    /// The report as one JSON object, ending with a new line.
+    ///
+    /// # Errors
+    /// None in practice: every field is plain data, and a number that is not finite becomes
+    /// `null`.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        serde_json::to_string_pretty(self).map(|json| json + "\n")
+    }
+}

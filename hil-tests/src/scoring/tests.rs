@@ -1,0 +1,87 @@
+//! Every number against small cases worked out by hand, and rules that all flights obey.
+
+mod actuators;
+mod decisions;
+mod digest;
+mod flights;
+mod latency;
+mod oracle;
+mod periodic;
+mod properties;
+mod report;
+mod summary;
+mod windows;
+
+use super::{Command, Flight, Held, Rules, Run, Score, score};
+use reflex::app::Reason;
+use reflex::config::MOTORS;
+
+/// The same command on every motor.
+fn all(share: f32) -> Command {
+    [share; MOTORS]
+}
+
+/// A command with one motor apart from the others.
+fn first(share: f32, others: f32) -> Command {
+    let mut command = all(others);
+    command[0] = share;
+    command
+}
+
+fn run(reason: Reason, share: f32) -> Option<Run> {
+    Some(Run {
+        reason,
+        asked: reason == Reason::Trigger,
+        command: all(share),
+    })
+}
+
+/// A quarter of full scale: exact in binary, so that cases sit right on the boundary.
+const QUANTUM: f32 = 0.25;
+
+fn rules() -> Rules {
+    Rules {
+        quantum: QUANTUM,
+        failsafe_us: 100_000,
+        limits: 0.0..=1.0,
+        ..Rules::default()
+    }
+}
+
+/// A flight from 0 us whose warm-up is one hyperperiod that ran and held `start`.
+fn after_warm_up(start: f32) -> Flight {
+    let mut flight = Flight::new(0, all(0.0));
+    flight.end_hyperperiod(1000, all(start), run(Reason::WarmUp, start));
+    flight.end_warm_up(1000);
+    flight
+}
+
+/// Ends the next hyperperiod, 1 ms after the last.
+fn end(flight: &mut Flight, reference: f32, run: Option<Run>) {
+    flight.end_hyperperiod(flight.last_us() + 1000, all(reference), run);
+}
+
+/// Holds the reference at the hyperperiods that a periodic policy of this rate would reach.
+fn fly(flight: &Flight, rate_hz: f64) -> Vec<Held> {
+    let period_us = 1e6 / rate_hz;
+    let mut held = all(0.0);
+    let mut due_us = 0.0;
+    let steps = flight.steps().iter();
+    steps
+        .map(|step| {
+            let runs = u32::from(step.at_us as f64 >= due_us);
+            if runs == 1 {
+                held = step.reference;
+                due_us = f64::max(due_us + period_us, step.at_us as f64);
+            }
+            Held {
+                command: held,
+                runs,
+            }
+        })
+        .collect()
+}
+
+fn scored(flight: &Flight) -> Score {
+    score(flight, &rules(), |rate_hz| fly(flight, rate_hz))
+}

@@ -1,0 +1,180 @@
+//! The board: everything that knows the STM32F427, and the only `unsafe` code.
+//!
+//! [`start`] brings the chip up and hands its parts to the tasks of `main.rs`. Pins:
+//!
+//! | signal | pin | peripheral |
+//! |---|---|---|
+//! | LSM303AGR SCK, MISO, MOSI | PA5, PA6, PA7 | SPI1, mode 3, 5.25 MHz; MISO and MOSI joined by a resistor |
+//! | LSM303AGR chip selects | PA4 accelerometer, PC4 magnetometer | outputs |
+//! | LSM303AGR INT_1_XL, INT_MAG | PC1, PC2 | EXTI1, EXTI2, rising |
+//! | MPU6050 SCL, SDA | PB8, PB9 | I2C1, 400 kHz; DMA1 stream 0 |
+//! | MPU6050 INT | PC0 | EXTI0, rising |
+//! | motors 1 to 4, 5 to 8 | PC6 to PC9, PD12 to PD15 | TIM3, TIM4 |
+//! | link TX, RX | PD5, PD6 | USART2; DMA1 streams 6, 5 |
+//! | crystal | PH0, PH1 | 8 MHz |
+
+pub mod calls;
+mod clock;
+mod i2c;
+pub mod imu;
+pub mod link;
+mod link_port;
+mod lsm303agr;
+mod motors;
+mod settings_block;
+mod spi;
+pub mod watchdog;
+
+pub use clock::{Mono, now};
+pub use i2c::{Engine, Report};
+pub use link::Link;
+pub use lsm303agr::{Chips, Fetches};
+pub use motors::Motors;
+
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use cortex_m::singleton;
+use embedded_hal_bus::util::AtomicCell;
+use reflex::config::MOTORS;
+use reflex::sensors::IMU_BURST_LENGTH;
+use reflex::settings::Settings;
+use stm32f4xx_hal::dma::StreamsTuple;
+use stm32f4xx_hal::gpio::{Edge, ExtiPin, PinState, Pull, gpioc, gpiod};
+use stm32f4xx_hal::syscfg::SysCfg;
+use stm32f4xx_hal::timer::MonoTimerExt;
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
+use stm32f4xx_hal::{pac, prelude::*};
+
+/// The chip's parts, started, each for its task.
+pub struct Board {
+    /// MPU6050 bursts.
+    pub imu_bus: Engine,
+    /// Both halves of the LSM303AGR.
+    pub chips: Chips,
+    /// The motors, all at the shortest pulse.
+    pub motors: Motors,
+    /// The link.
+    pub link: Link,
+    /// Running, to be fed from the failsafe timer.
+    pub watchdog: IndependentWatchdog,
+    /// The options of this start.
+    pub settings: Settings,
+}
+
+/// Brings the chip up; 105 ms, of which the MPU6050 takes 100 to wake. Motors stand still.
+///
+/// # Panics
+/// Where it is called twice: the buffers of the DMA controller exist once.
+pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board {
+    // A probe keeps its connection, and the log flowing, while the core sleeps.
+    device.DBGMCU.cr().modify(|_, w| w.dbg_sleep().set_bit());
+    let mut watchdog = watchdog::start(device.IWDG, &device.DBGMCU);
+    let mut rcc = clock::start(device.RCC);
+    let rcc = &mut rcc;
+    device.TIM5.monotonic_us(&mut core.NVIC, rcc);
+    // The clock runs: from here on the log has time stamps.
+    let settings = settings_block::read();
+    let (a, b) = (device.GPIOA.split(rcc), device.GPIOB.split(rcc));
+    let (c, d) = (device.GPIOC.split(rcc), device.GPIOD.split(rcc));
+    let streams = StreamsTuple::new(device.DMA1, rcc);
+
+    motor_pins(
+        (c.pc6, c.pc7, c.pc8, c.pc9),
+        (d.pd12, d.pd13, d.pd14, d.pd15),
+    );
+    let motors = Motors::start(device.TIM3, device.TIM4, settings.motors, rcc);
+
+    let mut lines = (device.SYSCFG.constrain(rcc), device.EXTI);
+    interrupt_on_rise(c.pc0.into_pull_down_input(), &mut lines);
+    interrupt_on_rise(c.pc1.into_pull_down_input(), &mut lines);
+    interrupt_on_rise(c.pc2.into_pull_down_input(), &mut lines);
+
+    d.pd5.into_alternate::<7>();
+    d.pd6.into_alternate::<7>().internal_resistor(Pull::Up);
+    let ring = singleton!(: [u8; link_port::RING] = [0; link_port::RING]).unwrap();
+    let block = singleton!(: [u8; link_port::BLOCK] = [0; link_port::BLOCK]).unwrap();
+    let (streams_of_link, buffers) = ((streams.5, streams.6), (ring, block));
+    let port = link_port::LinkPort::start(device.USART2, streams_of_link, buffers, rcc);
+
+    let selects = (
+        a.pa4.into_push_pull_output_in_state(PinState::High),
+        c.pc4.into_push_pull_output_in_state(PinState::High),
+    );
+    let spi = spi::Spi1::new(device.SPI1, (a.pa5, a.pa6, a.pa7), rcc);
+    let spi = singleton!(: AtomicCell<spi::Spi1> = AtomicCell::new(spi)).unwrap();
+    let chips = Chips::start(spi, selects);
+
+    let (scl, sda) = (
+        b.pb8.into_alternate_open_drain(),
+        b.pb9.into_alternate_open_drain(),
+    );
+    let mut bus = i2c::Bus::new(device.I2C1, scl, sda, rcc);
+    imu::start(&mut bus);
+    let buffer = singleton!(: [u8; IMU_BURST_LENGTH] = [0; IMU_BURST_LENGTH]).unwrap();
+    let mut imu_bus = Engine::new(streams.0, buffer, &imu::CHECKS);
+    imu_bus.give_back(bus, None);
+    watchdog.feed();
+    let link = Link::new(port);
+    Board {
+        imu_bus,
+        chips,
+        motors,
+        link,
+        watchdog,
+        settings,
+    }
+}
+
+/// The external interrupt lines, numbered as in the controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Line {
+    /// Data-ready of the MPU6050, PC0.
+    Imu = 0,
+    /// INT_1_XL of the LSM303AGR, PC1.
+    Accel = 1,
+    /// INT_MAG of the LSM303AGR, PC2.
+    Mag = 2,
+}
+
+/// Takes note that an external interrupt was heard, so that the next edge can raise it again.
+pub fn acknowledge(line: Line) {
+    // SAFETY: one store to a register in which ones clear and zeroes do nothing.
+    unsafe { (*pac::EXTI::ptr()).pr().write(|w| w.bits(1 << line as u8)) };
+}
+
+/// Has a pin's rising edge raise its external interrupt.
+fn interrupt_on_rise(mut pin: impl ExtiPin, (routing, exti): &mut (SysCfg, pac::EXTI)) {
+    pin.make_interrupt_source(routing);
+    pin.trigger_on_edge(exti, Edge::Rising);
+    pin.enable_interrupt(exti);
+}
+
+/// Sleeps until an interrupt, unless one has left work in the meantime.
+///
+/// With interrupts masked none can come between the look and the sleep; one that is pending ends
+/// the sleep all the same, and is served at once.
+pub fn sleep_unless(work: &AtomicBool) {
+    cortex_m::interrupt::free(|_| {
+        if !work.load(Ordering::Relaxed) {
+            cortex_m::asm::wfi();
+        }
+    });
+}
+
+/// Hands the pins of the motors that the airframe has to their timers.
+fn motor_pins(
+    first: (gpioc::PC6, gpioc::PC7, gpioc::PC8, gpioc::PC9),
+    second: (gpiod::PD12, gpiod::PD13, gpiod::PD14, gpiod::PD15),
+) {
+    first.0.into_alternate::<2>();
+    first.1.into_alternate::<2>();
+    first.2.into_alternate::<2>();
+    first.3.into_alternate::<2>();
+    if MOTORS > 4 {
+        second.0.into_alternate::<2>();
+        second.1.into_alternate::<2>();
+        second.2.into_alternate::<2>();
+        second.3.into_alternate::<2>();
+    }
+}

@@ -1,0 +1,28 @@
+//! The call log's place in memory: the symbol `REFLEX_CALLS`, read from outside.
+
+use core::cell::UnsafeCell;
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use reflex::app::CallRing;
+
+/// Storage that is handed out once.
+#[repr(transparent)]
+struct Storage(UnsafeCell<CallRing>);
+
+// SAFETY: `take` hands out the only reference, once.
+unsafe impl Sync for Storage {}
+
+/// Nobody in the firmware reads it back: `used` keeps the stores.
+#[used]
+#[unsafe(export_name = "REFLEX_CALLS")]
+static CALLS: Storage = Storage(UnsafeCell::new(CallRing::new()));
+
+/// The ring, at the first call; `None` ever after.
+pub fn take() -> Option<&'static mut CallRing> {
+    static TAKEN: AtomicBool = AtomicBool::new(false);
+    if TAKEN.swap(true, Ordering::Relaxed) {
+        return None;
+    }
+    // SAFETY: this line is reached once, so the reference is unique.
+    Some(unsafe { &mut *CALLS.0.get() })
+}

@@ -1,0 +1,338 @@
+//! Bursts of the MPU6050 without a waiting instruction: interrupts and DMA move every byte.
+//!
+//! One transaction is START, address, register, repeated START, address, data by DMA, STOP: five
+//! event interrupts of some 40 instructions and one at the end of the DMA. A transaction still
+//! under way when the next one is due is cut off and reported: nothing here waits, so nothing
+//! here can hang. Checks of the chip's registers are appended to a burst by a repeated START, so
+//! they never delay one, and one may wait at a time.
+
+use heapless::Deque;
+use reflex::app::Fault;
+use reflex::sensors::IMU_BURST_LENGTH;
+use reflex::time::{Duration, Instant, micros, span};
+use reflex_drivers::mpu6050::{ADDRESS, BURST_START};
+use stm32f4xx_hal::ClearFlags;
+use stm32f4xx_hal::dma::traits::{Channel, Stream, StreamISR};
+use stm32f4xx_hal::dma::{ChannelX, DmaDirection, Stream0, config::Priority};
+use stm32f4xx_hal::pac::{self, Interrupt};
+
+use super::Bus;
+
+/// The longest check in bytes: 8 bytes on the bus and one of margin are 203 us.
+pub const LONGEST_CHECK: usize = 4;
+/// A check is begun this long after the burst's interrupt at the latest: it then ends before
+/// the next burst, at 1 kHz with an oscillator 5 % fast.
+const LATEST_CHECK: Duration = micros(600);
+/// Event interrupts of one transaction before it counts as hung; five are expected, and a START
+/// that waits for its turn on the bus repeats the one before it for some microseconds.
+const MOST_EVENTS: u8 = 100;
+/// Reports that may wait.
+const REPORTS: usize = 4;
+
+/// Registers to be read behind a burst.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Check {
+    /// The first register.
+    pub register: u8,
+    /// How many, 1 to [`LONGEST_CHECK`].
+    pub length: u8,
+}
+
+/// What a transaction came to.
+#[derive(Clone, Copy, Debug)]
+pub enum Report {
+    /// A burst, with the stamp of its interrupt.
+    Burst(Instant, [u8; IMU_BURST_LENGTH]),
+    /// What the registers of a check hold.
+    Check(Check, [u8; LONGEST_CHECK]),
+    /// A transaction was cut off.
+    Fault(Instant, Fault),
+}
+
+/// What the transaction under way is for.
+#[derive(Clone, Copy, Debug)]
+enum Purpose {
+    Burst(Instant),
+    Check(Check),
+}
+
+/// What the transaction under way waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Idle,
+    Start,
+    WriteAddress,
+    Register,
+    Restart,
+    ReadAddress,
+    Data,
+}
+
+/// The bus with its DMA stream; without the bus while it is lent.
+pub struct Engine {
+    bus: Option<Bus>,
+    stream: Stream0<pac::DMA1>,
+    buffer: &'static mut [u8; IMU_BURST_LENGTH],
+    phase: Phase,
+    purpose: Purpose,
+    received: Instant,
+    events: u8,
+    reports: Deque<Report, REPORTS>,
+    /// Checks in turn, and whether one is due behind the next burst.
+    plan: &'static [Check],
+    turn: usize,
+    check_due: bool,
+}
+
+impl Engine {
+    /// Takes the stream and a buffer that the DMA controller can reach; the bus comes by
+    /// [`Engine::give_back`].
+    pub fn new(
+        mut stream: Stream0<pac::DMA1>,
+        buffer: &'static mut [u8; IMU_BURST_LENGTH],
+        plan: &'static [Check],
+    ) -> Self {
+        stream.set_channel(ChannelX::<1>::VALUE);
+        stream.set_direction(DmaDirection::PeripheralToMemory);
+        stream.set_memory_increment(true);
+        stream.set_priority(Priority::VeryHigh);
+        stream.set_memory_address(buffer.as_mut_ptr() as u32);
+        stream.listen_transfer_complete();
+        let never = Instant::from_ticks(0);
+        Self {
+            bus: None,
+            stream,
+            buffer,
+            phase: Phase::Idle,
+            purpose: Purpose::Burst(never),
+            received: never,
+            events: 0,
+            reports: Deque::new(),
+            plan,
+            turn: 0,
+            check_due: false,
+        }
+    }
+
+    /// Starts a burst for the interrupt stamped `at`; cuts off what is still under way.
+    pub fn start_burst(&mut self, at: Instant) {
+        if self.phase != Phase::Idle {
+            self.abort(Fault::ImuOverrun, at);
+        }
+        self.begin(Purpose::Burst(at));
+    }
+
+    /// Has the next check of the plan read behind the next burst that leaves time for it.
+    pub fn check_soon(&mut self) {
+        self.check_due = true;
+    }
+
+    /// When the last burst came to its end, or the bus came back.
+    pub fn last_burst(&self) -> Instant {
+        self.received
+    }
+
+    /// Lends the bus for polled transfers; bursts that fall into that time are left out.
+    ///
+    /// `None` while it is lent already.
+    pub fn lend(&mut self) -> Option<Bus> {
+        let mut bus = self.bus.take()?;
+        self.phase = Phase::Idle;
+        self.stop_stream();
+        bus.restart();
+        Some(bus)
+    }
+
+    /// Takes the bus back, reports what failed meanwhile; silence is counted from here.
+    pub fn give_back(&mut self, bus: Bus, failed: Option<Fault>) {
+        if let Some(fault) = failed {
+            self.tell(fault, crate::board::now());
+        }
+        self.bus = Some(bus);
+        self.phase = Phase::Idle;
+        self.received = crate::board::now();
+    }
+
+    /// The oldest report that was not taken yet; call until `None`.
+    pub fn report(&mut self) -> Option<Report> {
+        if self.phase == Phase::Data && self.stream.is_transfer_complete() {
+            self.finish();
+        }
+        self.reports.pop_front()
+    }
+
+    fn begin(&mut self, purpose: Purpose) {
+        let Some(bus) = &mut self.bus else { return };
+        self.purpose = purpose;
+        self.events = 0;
+        self.phase = Phase::Start;
+        bus.listen(Listen::Events);
+        bus.i2c
+            .cr1()
+            .write(|w| w.pe().set_bit().ack().set_bit().start().set_bit());
+    }
+
+    /// `I2C1_EV`: one step of the transaction.
+    pub fn on_event(&mut self) {
+        let register = self.register();
+        let Some(bus) = &mut self.bus else { return };
+        let status = bus.i2c.sr1().read();
+        self.events = self.events.saturating_add(1);
+        if self.events > MOST_EVENTS {
+            return self.abort_now(Fault::ImuBus);
+        }
+        match self.phase {
+            Phase::Start if status.sb().bit_is_set() => {
+                if status.rx_ne().bit_is_set() {
+                    // A byte that the last transaction left would shift all data by one.
+                    bus.i2c.dr().read();
+                }
+                if let Purpose::Check(_) = self.purpose {
+                    // Its START had to wait for a byte's end: taken back, so that the next one
+                    // is a new request, whatever the peripheral remembers.
+                    bus.i2c.cr1().write(|w| w.pe().set_bit().ack().set_bit());
+                }
+                bus.i2c.dr().write(|w| w.dr().set(ADDRESS << 1));
+                self.phase = Phase::WriteAddress;
+            }
+            Phase::WriteAddress if status.addr().bit_is_set() => {
+                bus.i2c.sr2().read();
+                bus.i2c.dr().write(|w| w.dr().set(register));
+                self.phase = Phase::Register;
+            }
+            Phase::Register if status.btf().bit_is_set() => {
+                bus.i2c
+                    .cr1()
+                    .write(|w| w.pe().set_bit().ack().set_bit().start().set_bit());
+                self.phase = Phase::Restart;
+            }
+            Phase::Restart if status.sb().bit_is_set() => {
+                bus.i2c.dr().write(|w| w.dr().set(ADDRESS << 1 | 1));
+                self.phase = Phase::ReadAddress;
+            }
+            Phase::ReadAddress if status.addr().bit_is_set() => self.receive(),
+            Phase::Idle | Phase::Data => bus.listen(Listen::Nothing),
+            // An event that repeats itself: MOST_EVENTS bounds it.
+            _ => {}
+        }
+    }
+
+    /// `I2C1_ER`: nobody answered, or the bus was disturbed.
+    pub fn on_error(&mut self) {
+        self.abort_now(Fault::ImuBus);
+    }
+
+    fn register(&self) -> u8 {
+        match self.purpose {
+            Purpose::Burst(_) => BURST_START,
+            Purpose::Check(check) => check.register,
+        }
+    }
+
+    fn length(&self) -> u16 {
+        match self.purpose {
+            Purpose::Burst(_) => IMU_BURST_LENGTH as u16,
+            Purpose::Check(check) => u16::from(check.length),
+        }
+    }
+
+    /// Hands the data phase to the DMA, then lets the address event end.
+    fn receive(&mut self) {
+        let length = self.length();
+        let Some(bus) = &mut self.bus else { return };
+        self.stream
+            .set_peripheral_address(bus.i2c.dr().as_ptr() as u32);
+        self.stream.set_number_of_transfers(length);
+        self.stream.clear_all_flags();
+        // SAFETY: configured in `new`; the buffer is static and at least `length` bytes long, and
+        // nothing reads it before the transfer is complete.
+        unsafe { self.stream.enable() };
+        bus.listen(Listen::Data);
+        if length == 1 {
+            bus.i2c.cr1().write(|w| w.pe().set_bit());
+        }
+        bus.i2c.sr2().read();
+        self.phase = Phase::Data;
+    }
+
+    /// The DMA has the last byte: report, and go on with a check or end with STOP.
+    fn finish(&mut self) {
+        self.stream.clear_all_flags();
+        // SAFETY: the transfer is complete; volatile, because the DMA controller wrote it.
+        let bytes = unsafe { core::ptr::read_volatile(self.buffer) };
+        let report = match self.purpose {
+            Purpose::Burst(at) => Report::Burst(at, bytes),
+            Purpose::Check(check) => {
+                let [a, b, c, d, ..] = bytes;
+                Report::Check(check, [a, b, c, d])
+            }
+        };
+        let _ = self.reports.push_back(report);
+        let now = crate::board::now();
+        if let Purpose::Burst(at) = self.purpose {
+            self.received = now;
+            if self.check_due
+                && span(at, now) < LATEST_CHECK
+                && let Some(check) = self.plan.get(self.turn)
+            {
+                self.check_due = false;
+                self.turn = (self.turn + 1) % self.plan.len();
+                return self.begin(Purpose::Check(*check));
+            }
+        }
+        self.phase = Phase::Idle;
+        if let Some(bus) = &mut self.bus {
+            bus.listen(Listen::Nothing);
+            bus.i2c.cr1().write(|w| w.pe().set_bit().stop().set_bit());
+        }
+    }
+
+    fn abort_now(&mut self, fault: Fault) {
+        self.abort(fault, crate::board::now());
+    }
+
+    /// Cuts the transaction off and reports it.
+    fn abort(&mut self, fault: Fault, at: Instant) {
+        self.stop_stream();
+        if let Some(bus) = &mut self.bus {
+            bus.restart();
+        }
+        self.phase = Phase::Idle;
+        self.tell(fault, at);
+    }
+
+    /// Reports a fault at the priority of the reports' reader; a full queue tells enough already.
+    fn tell(&mut self, fault: Fault, at: Instant) {
+        let _ = self.reports.push_back(Report::Fault(at, fault));
+        rtic::pend(Interrupt::DMA1_STREAM0);
+    }
+
+    fn stop_stream(&mut self) {
+        // SAFETY: the data are given up.
+        unsafe { self.stream.disable() };
+        self.stream.clear_all_flags();
+    }
+}
+
+/// Which interrupts and DMA requests the peripheral may raise.
+#[derive(Clone, Copy)]
+enum Listen {
+    Nothing,
+    Events,
+    Data,
+}
+
+impl Bus {
+    fn listen(&mut self, what: Listen) {
+        self.i2c.cr2().write(|w| {
+            // SAFETY: as in `restart`.
+            let w = unsafe { w.freq().bits(super::PCLK_MHZ) };
+            match what {
+                Listen::Nothing => w,
+                Listen::Events => w.iterren().set_bit().itevten().set_bit(),
+                // LAST has the byte before the end of the DMA refused, so that the chip stops.
+                Listen::Data => w.iterren().set_bit().dmaen().set_bit().last().set_bit(),
+            }
+        });
+    }
+}

@@ -1,0 +1,108 @@
+//! The MPU6050's start, repair and register checks; its samples come by [`super::i2c::Engine`].
+
+use reflex::app::Fault;
+use reflex::time::{Duration, Instant, micros, span};
+use reflex_drivers::legacy_hal::Lent;
+use reflex_drivers::mpu6050::{ADDRESS, IDENTITY, ImuConfig, Mpu6050, register};
+
+use crate::board::clock::Delay;
+use crate::board::i2c::{Bus, Check, Engine, LONGEST_CHECK};
+
+/// What the chip is to hold.
+const CONFIG: ImuConfig = ImuConfig::FLIGHT;
+
+/// Without a burst for this long the chip counts as silent.
+const SILENCE: Duration = micros(20_000);
+
+/// The registers that decide about samples, some of them at a time.
+pub const CHECKS: [Check; 4] = [
+    Check {
+        register: register::WHO_AM_I,
+        length: 1,
+    },
+    Check {
+        register: register::SMPLRT_DIV,
+        length: 4,
+    },
+    Check {
+        register: register::INT_PIN_CFG,
+        length: 2,
+    },
+    Check {
+        register: register::PWR_MGMT_1,
+        length: 2,
+    },
+];
+
+/// Wakes the chip and configures it, for the first time; 100 ms of that is the crate's wait.
+///
+/// A chip that does not answer, or another one, is named in the log: the autopilot does not arm
+/// without samples, and [`repair`] is tried again.
+pub fn start(bus: &mut Bus) {
+    let woken = mpu6050::Mpu6050::new(Lent(bus)).init(&mut Lent(&mut Delay));
+    match woken {
+        Ok(()) => {}
+        Err(mpu6050::Mpu6050Error::I2c(error)) => {
+            return defmt::error!("MPU6050 does not answer ({}): it is tried again", error);
+        }
+        Err(mpu6050::Mpu6050Error::InvalidChipId(id)) => {
+            return defmt::error!(
+                "MPU6050 has identity {=u8:#x}, not 0x68: check the part",
+                id
+            );
+        }
+    }
+    if let Err(error) = Mpu6050::new(bus, ADDRESS).configure(&CONFIG) {
+        defmt::error!("MPU6050 is not configured ({}): it is tried again", error);
+    }
+}
+
+/// Frees the bus and configures the chip anew, in under 5 ms; says what is still wrong.
+///
+/// `failed` keeps the outcome, so that only the first of many failures in a row is logged.
+pub fn repair(bus: &mut Bus, failed: &mut bool) -> Option<Fault> {
+    if let Some(recovery) = bus.revive() {
+        defmt::warn!("I2C: {}", recovery);
+    }
+    let mut chip = Mpu6050::new(bus, ADDRESS);
+    let result = chip.check_identity().and_then(|()| chip.configure(&CONFIG));
+    match result {
+        Ok(()) => defmt::info!("MPU6050 configured anew"),
+        Err(error) if !*failed => defmt::error!("MPU6050: {}; tried again", error),
+        Err(_) => {}
+    }
+    *failed = result.is_err();
+    result.is_err().then_some(Fault::ImuBus)
+}
+
+/// Whether bursts have stopped coming; also has some registers checked behind the next one.
+pub fn is_silent(bus: &mut Engine, now: Instant) -> bool {
+    bus.check_soon();
+    span(bus.last_burst(), now) > SILENCE
+}
+
+/// Compares what a check read with what the chip is to hold; names the first difference.
+#[must_use]
+pub fn matches(check: Check, held: [u8; LONGEST_CHECK]) -> bool {
+    let registers = (check.register..).zip(held).take(usize::from(check.length));
+    for (register, held) in registers {
+        let expected = expected(register);
+        if held != expected {
+            defmt::warn!(
+                "MPU6050: register {=u8:#x} holds {=u8:#x}, not {=u8:#x}: configured anew",
+                register,
+                held,
+                expected
+            );
+            return false;
+        }
+    }
+    true
+}
+
+fn expected(register: u8) -> u8 {
+    let mut registers = CONFIG.registers().into_iter();
+    registers
+        .find(|(address, _)| *address == register)
+        .map_or(IDENTITY, |(_, value)| value)
+}

@@ -1,0 +1,81 @@
+//! The link's task: bytes from the port, frames from the bytes, answers back.
+
+use reflex::config::MOTORS;
+use reflex::link::{ARM_DISARM, Answer, Incoming, Message, Parser, Sender, Status};
+use reflex::safety::Arming;
+use reflex::time::{Duration, Instant, micros};
+
+use crate::board::link_port::{LinkPort, Overrun};
+
+/// Between two heartbeats.
+pub const BEAT: Duration = micros(1_000_000);
+
+/// Bytes taken from the ring at once: a setpoint's frame and its like.
+const CHUNK: usize = 64;
+
+/// Port, parser and sender of one peer.
+pub struct Link {
+    port: LinkPort,
+    parser: Parser,
+    sender: Sender,
+}
+
+impl Link {
+    /// A link over a started port.
+    pub fn new(port: LinkPort) -> Self {
+        Self {
+            port,
+            parser: Parser::new(),
+            sender: Sender::new(MOTORS),
+        }
+    }
+
+    /// Takes what came until `at`, hands each message to `deliver` and queues its answers.
+    ///
+    /// # Errors
+    /// The ring was overtaken before this call.
+    pub fn receive(
+        &mut self,
+        at: Instant,
+        mut deliver: impl FnMut(&Message) -> Option<Answer>,
+    ) -> Result<(), Overrun> {
+        let mut chunk = [0; CHUNK];
+        loop {
+            let count = self.port.take(&mut chunk)?;
+            if count == 0 {
+                return Ok(());
+            }
+            for incoming in self.parser.feed(at, chunk.get(..count).unwrap_or_default()) {
+                let (from, command, answer) = match incoming {
+                    Incoming::Message { from, message } => (from, ARM_DISARM, deliver(&message)),
+                    Incoming::Refused {
+                        from,
+                        command,
+                        answer,
+                    } => (from, command, Some(answer)),
+                };
+                if let Some(answer) = answer {
+                    let frame = self.sender.command_ack(from, command, answer);
+                    // No room means a line far too slow: the peer asks again.
+                    let _ = self.port.send(frame.as_bytes());
+                }
+            }
+        }
+    }
+
+    /// Sends a HEARTBEAT; left out where the line is still busy with earlier ones.
+    pub fn beat(&mut self, arming: Arming) {
+        let status = match arming {
+            Arming::Calibrating => Status::Calibrating,
+            Arming::Disarmed => Status::Standby,
+            Arming::Armed => Status::Active,
+        };
+        let frame = self.sender.heartbeat(arming == Arming::Armed, status);
+        let _ = self.port.send(frame.as_bytes());
+    }
+
+    /// The end of a block going out.
+    pub fn on_sent(&mut self) {
+        self.port.on_sent();
+    }
+}

@@ -1,0 +1,169 @@
+//! Start-up, heartbeats and repair of the LSM303AGR.
+//!
+//! A half that fails its heartbeat, or whose samples stop coming, is set up again at the next
+//! one, as it was programmed last. A half that is not there at all is only asked for its name,
+//! so that the other one is left in peace.
+
+use embedded_hal::delay::DelayNs;
+use lsm303agr::{AccelOutputDataRate, AccelScale, Lsm303agr, MagMode, MagOutputDataRate};
+use reflex::app::OrderError;
+use reflex::sensors::Cause;
+use reflex_drivers::Error;
+use reflex_drivers::lsm303agr::{
+    AccelDataRate, AccelFullScale, AccelInterrupt, AccelMode, AccelOutput, AccelPin,
+    AccelThreshold, Accelerometer, Axes, HighPass, HighPassCorner, HighPassMode, MagCompare,
+    MagInterrupt, MagPin, MagThreshold, Magnetometer, ThreeWire, ThresholdDuration,
+};
+
+use super::{Chips, Routing, Sample, SpiError, failure};
+
+/// What the crate is told to set, checked against the chip.
+const OUTPUT: AccelOutput = AccelOutput {
+    data_rate: AccelDataRate::Hz100,
+    full_scale: AccelFullScale::G4,
+    mode: AccelMode::HighResolution,
+};
+
+/// "Changed by more than the threshold on any axis since REFERENCE_A was read", latched.
+pub(super) const fn accel_interrupt(threshold: AccelThreshold) -> AccelInterrupt {
+    AccelInterrupt {
+        high_pass: Some(HighPass {
+            mode: HighPassMode::ResetByReading,
+            corner: HighPassCorner::FourHundredth,
+        }),
+        axes: Axes::ALL,
+        threshold,
+        duration: ThresholdDuration::IMMEDIATE,
+        latch: true,
+        pin: AccelPin::Threshold,
+    }
+}
+
+/// "Changed by more than the threshold on any axis since OFFSET was written", latched.
+pub(super) const fn mag_interrupt(threshold: MagThreshold) -> MagInterrupt {
+    MagInterrupt {
+        compare: MagCompare::ChangeFromOffset,
+        axes: Axes::ALL,
+        threshold,
+        latch: true,
+        pin: MagPin::Threshold,
+    }
+}
+
+/// The crate waits for the first sample after a change; samples are awaited by interrupt here.
+struct NoWait;
+
+impl DelayNs for NoWait {
+    fn delay_ns(&mut self, _: u32) {}
+}
+
+impl Chips {
+    /// Checks the accelerometer and reads it: also lets a pin fall whose edge was missed, since
+    /// a latch that is not cleared stays silent.
+    pub(super) fn accel_heartbeat(&mut self) -> Result<Sample, OrderError> {
+        if self.accel_state.is_lost() {
+            self.revive_accel()?;
+        }
+        self.accel_state.heard = false;
+        let checked = self.check_accel().map_err(failure);
+        self.accel_state.answers = checked.is_ok();
+        let sample = checked.and_then(|()| self.fetch_accel())?;
+        Ok(Sample {
+            cause: Cause::Heartbeat,
+            ..sample
+        })
+    }
+
+    /// As [`Self::accel_heartbeat`].
+    pub(super) fn mag_heartbeat(&mut self) -> Result<Sample, OrderError> {
+        if self.mag_state.is_lost() {
+            self.revive_mag()?;
+        }
+        self.mag_state.heard = false;
+        let checked = self.check_mag().map_err(failure);
+        self.mag_state.answers = checked.is_ok();
+        let sample = checked.and_then(|()| self.fetch_mag())?;
+        Ok(Sample {
+            cause: Cause::Heartbeat,
+            ..sample
+        })
+    }
+
+    fn check_accel(&mut self) -> Result<(), Error<SpiError>> {
+        let mut chip = Accelerometer::new(&mut self.accel);
+        chip.check_identity()?;
+        chip.verify_output(OUTPUT)?;
+        if let Routing::Threshold(threshold) = self.accel_state.routing {
+            chip.verify_interrupt(accel_interrupt(threshold))?;
+        }
+        Ok(())
+    }
+
+    fn check_mag(&mut self) -> Result<(), Error<SpiError>> {
+        let mut chip = Magnetometer::new(&mut self.mag);
+        chip.check_identity()?;
+        if let Routing::Threshold(threshold) = self.mag_state.routing {
+            chip.verify_interrupt(mag_interrupt(threshold))?;
+        }
+        Ok(())
+    }
+
+    /// Sets the accelerometer up, should it be there.
+    pub(super) fn revive_accel(&mut self) -> Result<(), OrderError> {
+        ThreeWire::enable(&mut self.accel).map_err(|_| OrderError::Bus)?;
+        let mut chip = Accelerometer::new(&mut self.accel);
+        chip.check_identity().map_err(failure)?;
+        self.set_up()?;
+        // The crate's writes took the other half's pin away as well.
+        self.restore_accel().and(self.restore_mag())
+    }
+
+    /// Sets the magnetometer up, should it be there.
+    pub(super) fn revive_mag(&mut self) -> Result<(), OrderError> {
+        let mut chip = Magnetometer::new(&mut self.mag);
+        chip.check_identity().map_err(failure)?;
+        self.set_up()?;
+        self.restore_accel().and(self.restore_mag())
+    }
+
+    /// Rate, range and mode of both halves by the crate, which holds both at once.
+    fn set_up(&mut self) -> Result<(), OrderError> {
+        let mut set_up = || -> Result<(), lsm303agr::Error<SpiError>> {
+            let accel = ThreeWire::enable(&mut self.accel).map_err(lsm303agr::Error::Comm)?;
+            let mut chip = Lsm303agr::new_with_spi(accel, &mut self.mag);
+            chip.init()?;
+            let mode = lsm303agr::AccelMode::HighResolution;
+            chip.set_accel_mode_and_odr(&mut NoWait, mode, AccelOutputDataRate::Hz100)?;
+            chip.set_accel_scale(AccelScale::G4)?;
+            let mode = MagMode::HighResolution;
+            chip.set_mag_mode_and_odr(&mut NoWait, mode, MagOutputDataRate::Hz100)?;
+            let chip = chip.into_mag_continuous();
+            chip.map(|_| ()).map_err(|failed| failed.error)
+        };
+        set_up().map_err(|_| OrderError::Bus)
+    }
+
+    /// Routes the pin as it was, from the state that power-up leaves.
+    fn restore_accel(&mut self) -> Result<(), OrderError> {
+        let wanted = self.accel_state.routing;
+        self.accel_state.routing = Routing::DataReady;
+        let result = self.route_accel(wanted);
+        // Not to be forgotten where it failed: the next heartbeat tries again.
+        self.accel_state.routing = wanted;
+        self.accel_state.answers = result.is_ok();
+        result
+    }
+
+    /// As [`Self::restore_accel`], with the offset.
+    fn restore_mag(&mut self) -> Result<(), OrderError> {
+        let mut chip = Magnetometer::new(&mut self.mag);
+        chip.disable_i2c().map_err(failure)?;
+        chip.set_offset(self.offset).map_err(failure)?;
+        let wanted = self.mag_state.routing;
+        self.mag_state.routing = Routing::DataReady;
+        let result = self.route_mag(wanted);
+        self.mag_state.routing = wanted;
+        self.mag_state.answers = result.is_ok();
+        result
+    }
+}

@@ -1,0 +1,92 @@
+//! Motor pulses: TIM3 on PC6 to PC9 for motors 1 to 4, TIM4 on PD12 to PD15 for 5 to 8.
+//!
+//! Compare registers are preloaded: a command takes effect at the timer's next update event, so
+//! no pulse is ever cut. Both timers count 84 MHz of APB1, divided as the protocol asks.
+
+use reflex::airframe::{MotorShares, period_ticks, ticks};
+use reflex::config::MOTORS;
+use reflex::safety::MotorOutput;
+use reflex::settings::MotorProtocol;
+use stm32f4xx_hal::pac::{self, tim3};
+use stm32f4xx_hal::rcc::{self, Enable, Reset};
+
+/// Channels of one timer.
+const CHANNELS: usize = 4;
+
+/// The timers; made with all motors at the shortest pulse.
+pub struct Motors {
+    first: pac::TIM3,
+    second: pac::TIM4,
+    protocol: MotorProtocol,
+}
+
+impl Motors {
+    /// Starts the pulses; the pins must be in their alternate function.
+    pub fn start(
+        first: pac::TIM3,
+        second: pac::TIM4,
+        protocol: MotorProtocol,
+        rcc: &mut rcc::Rcc,
+    ) -> Self {
+        pac::TIM3::enable(rcc);
+        pac::TIM3::reset(rcc);
+        let mut motors = Self {
+            first,
+            second,
+            protocol,
+        };
+        if MOTORS > CHANNELS {
+            pac::TIM4::enable(rcc);
+            pac::TIM4::reset(rcc);
+        }
+        motors.store([0.0; MOTORS]);
+        begin(&motors.first, protocol);
+        if MOTORS > CHANNELS {
+            begin(&motors.second, protocol);
+        }
+        motors
+    }
+
+    /// Writes the whole vector; it takes effect at the next update event.
+    ///
+    /// The arithmetic comes first: the stores are back to back, so that an update event finds
+    /// either none or all of them but for a share of 10^-4 of its period.
+    pub fn write(&mut self, output: &MotorOutput) {
+        self.store(output.share());
+    }
+
+    fn store(&mut self, shares: MotorShares) {
+        let mut ticks = shares.map(|share| ticks(self.protocol, share)).into_iter();
+        let first = &self.first;
+        for (register, ticks) in first.ccr_iter().zip(&mut ticks) {
+            register.write(|w| w.ccr().set(ticks));
+        }
+        if MOTORS > CHANNELS {
+            for (register, ticks) in self.second.ccr_iter().zip(ticks) {
+                register.write(|w| w.ccr().set(ticks));
+            }
+        }
+    }
+}
+
+/// Up-counting PWM mode 1 with preload on all four channels.
+fn begin(timer: &tim3::RegisterBlock, protocol: MotorProtocol) {
+    let (divider, period) = period_ticks(protocol);
+    timer.psc().write(|w| w.psc().set(divider - 1));
+    timer.arr().write(|w| w.arr().set(period - 1));
+    timer.ccmr1_output().write(|w| {
+        w.oc1m().pwm_mode1().oc1pe().enabled();
+        w.oc2m().pwm_mode1().oc2pe().enabled()
+    });
+    timer.ccmr2_output().write(|w| {
+        w.oc3m().pwm_mode1().oc3pe().enabled();
+        w.oc4m().pwm_mode1().oc4pe().enabled()
+    });
+    timer.ccer().write(|w| {
+        w.cc1e().set_bit().cc2e().set_bit();
+        w.cc3e().set_bit().cc4e().set_bit()
+    });
+    // Loads prescaler, period and the shortest pulses before the first count.
+    timer.egr().write(|w| w.ug().set_bit());
+    timer.cr1().write(|w| w.arpe().enabled().cen().enabled());
+}

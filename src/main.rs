@@ -1,0 +1,300 @@
+//! Reflex on the STM32F427: an RTIC application that stamps, moves bytes and calls the autopilot.
+//!
+//! Higher priorities preempt lower ones; RTIC's locks bound how long one may be held up. Every
+//! decision is taken behind the one door `Autopilot::on_*`, which a host can open as well.
+//!
+//! | task | bound to | priority | budget | shared | when late |
+//! |---|---|---|---|---|---|
+//! | `imu_ready` | EXTI0 | 6 | 2 us | `imu_bus` | the sample's stamp is late by as much |
+//! | `accel_threshold`, `mag_event` | EXTI1, EXTI2 | 6 | 1 us | `fetches` | as above |
+//! | `imu_step` | I2C1_EV | 5 | 1 us | `imu_bus` | the bus waits, the burst takes longer |
+//! | `imu_failed` | I2C1_ER | 5 | 2 us | `imu_bus` | as above |
+//! | `imu_received` | DMA1_STREAM0 | 4 | 20 us | `imu_bus`, `autopilot` | the hyperperiod ends late |
+//! | `hyperperiod` | CAN2_TX, pended | 4 | 200 us | `autopilot`, `motors` | the command is older; the next sample waits |
+//! | `late_hyperperiod` | CAN1_RX1, timer | 4 | 5 us | - | a missing sample is noticed later |
+//! | `failsafe` | CAN1_RX1, timer | 4 | 200 us | `autopilot`, `motors`, `imu_bus` | 270 ms: the watchdog resets the board |
+//! | `chips` | CAN2_RX0, pended | 3 | 100 us an order | `autopilot`, `fetches` | a threshold is older; the next order waits |
+//! | `link_idle`, `link_half` | USART2, DMA1_STREAM5 | 2 | 50 us a frame | `link`, `autopilot` | 5 ms: the ring overruns, counted |
+//! | `link_sent` | DMA1_STREAM6 | 2 | 2 us | `link` | answers wait |
+//! | `heartbeat` | CAN1_RX0, timer | 2 | 20 us a second | `link`, `autopilot` | the peer sees it late |
+//! | `repair_imu` | CAN1_TX, spawned | 1 | 5 ms | `imu_bus` | the chip stays silent, the drone disarmed or on failsafe |
+//! | `idle` | - | 0 | - | `autopilot` | models are refitted and events logged later |
+//!
+//! Vectors of peripherals that the board does not use raise tasks by software. `hyperperiod` and
+//! `chips` are pended, not spawned: a pend while the task runs is not lost.
+//!
+//! `autopilot` is locked at priority 4 at most, so that stamps and bursts are never held up by
+//! control. `link_*` call it under that lock: a message takes less time than a hand-over would.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod board;
+
+/// On a computer there is nothing to fly: prints the configuration that the firmware is built with.
+#[cfg(not(target_os = "none"))]
+fn main() {
+    print!("{}", reflex::config::describe());
+}
+
+#[cfg(target_os = "none")]
+#[rtic::app(device = stm32f4xx_hal::pac, dispatchers = [CAN1_TX, CAN1_RX0, CAN1_RX1])]
+mod app {
+    use core::sync::atomic::{AtomicBool, Ordering};
+
+    use defmt_rtt as _;
+    use panic_probe as _;
+    use reflex::app::{Autopilot, CallRing, Fault, Next};
+    use reflex::time::{Instant, micros};
+    use rtic_time::Monotonic;
+    use stm32f4xx_hal::pac::Interrupt;
+    use stm32f4xx_hal::watchdog::IndependentWatchdog;
+
+    use crate::board::{self, Chips, Engine, Fetches, Line, Link, Mono, Motors, Report};
+    use crate::board::{calls, imu, link, now, watchdog};
+
+    // Vectors that raise a task by software.
+    const HYPERPERIOD: Interrupt = Interrupt::CAN2_TX;
+    const CHIPS: Interrupt = Interrupt::CAN2_RX0;
+    /// Fetches and orders per activation of `chips`, which then raises itself again.
+    const MOST_JOBS: usize = 8;
+    /// Events logged per pass of idle: below what the log's buffer holds.
+    const MOST_EVENTS: usize = 8;
+    /// Set where idle may have something to do.
+    static WORK: AtomicBool = AtomicBool::new(true);
+
+    /// The autopilot with its call log.
+    pub type Pilot = Autopilot<&'static mut CallRing>;
+
+    #[shared]
+    struct Shared {
+        autopilot: Pilot,
+        motors: Motors,
+        imu_bus: Engine,
+        fetches: Fetches,
+        link: Link,
+    }
+
+    #[local]
+    struct Local {
+        chips: Chips,
+        watchdog: IndependentWatchdog,
+    }
+
+    #[init]
+    fn init(cx: init::Context) -> (Shared, Local) {
+        let board = board::start(cx.core, cx.device);
+        let calls = calls::take().expect("taken once");
+        failsafe::spawn().expect("spawned once");
+        heartbeat::spawn().expect("spawned once");
+        let shared = Shared {
+            autopilot: Autopilot::new(board.settings, calls),
+            motors: board.motors,
+            imu_bus: board.imu_bus,
+            fetches: Fetches::default(),
+            link: board.link,
+        };
+        let (chips, watchdog) = (board.chips, board.watchdog);
+        (shared, Local { chips, watchdog })
+    }
+
+    /// Stamps the MPU6050's sample and starts its burst.
+    #[task(binds = EXTI0, priority = 6, shared = [imu_bus])]
+    fn imu_ready(mut cx: imu_ready::Context) {
+        let at = now();
+        board::acknowledge(Line::Imu);
+        cx.shared.imu_bus.lock(|bus| bus.start_burst(at));
+    }
+
+    /// Stamps an interrupt of the LSM303AGR's accelerometer and asks for its sample.
+    #[task(binds = EXTI1, priority = 6, shared = [fetches])]
+    fn accel_threshold(mut cx: accel_threshold::Context) {
+        let at = now();
+        board::acknowledge(Line::Accel);
+        cx.shared.fetches.lock(|fetches| fetches.accel = Some(at));
+        rtic::pend(CHIPS);
+    }
+
+    /// Stamps an interrupt of the LSM303AGR's magnetometer and asks for its sample.
+    #[task(binds = EXTI2, priority = 6, shared = [fetches])]
+    fn mag_event(mut cx: mag_event::Context) {
+        let at = now();
+        board::acknowledge(Line::Mag);
+        cx.shared.fetches.lock(|fetches| fetches.mag = Some(at));
+        rtic::pend(CHIPS);
+    }
+
+    /// One step of a burst.
+    #[task(binds = I2C1_EV, priority = 5, shared = [imu_bus])]
+    fn imu_step(mut cx: imu_step::Context) {
+        cx.shared.imu_bus.lock(|bus| bus.on_event());
+    }
+
+    /// A burst failed on the bus.
+    #[task(binds = I2C1_ER, priority = 5, shared = [imu_bus])]
+    fn imu_failed(mut cx: imu_failed::Context) {
+        cx.shared.imu_bus.lock(|bus| bus.on_error());
+    }
+
+    /// A burst or a check is there, or was cut off.
+    #[task(binds = DMA1_STREAM0, priority = 4, shared = [imu_bus, autopilot])]
+    fn imu_received(cx: imu_received::Context) {
+        let (mut bus, mut autopilot) = (cx.shared.imu_bus, cx.shared.autopilot);
+        while let Some(report) = bus.lock(|bus| bus.report()) {
+            autopilot.lock(|pilot| match report {
+                Report::Burst(at, bytes) => raise(pilot.on_imu(at, &bytes)),
+                Report::Fault(at, fault) => pilot.on_fault(at, fault),
+                Report::Check(check, held) if imu::matches(check, held) => {}
+                Report::Check(..) => {
+                    pilot.on_fault(now(), Fault::ImuConfiguration);
+                    let _ = repair_imu::spawn();
+                }
+            });
+        }
+        WORK.store(true, Ordering::Relaxed);
+    }
+
+    /// The hyperperiod's end: propagates, writes the motors; the chips' thresholds follow.
+    #[task(binds = CAN2_TX, priority = 4, shared = [autopilot, motors])]
+    fn hyperperiod(cx: hyperperiod::Context) {
+        let (mut autopilot, mut motors) = (cx.shared.autopilot, cx.shared.motors);
+        if let Some(output) = autopilot.lock(|pilot| pilot.on_hyperperiod(now())) {
+            motors.lock(|motors| motors.write(&output));
+            rtic::pend(CHIPS);
+        }
+    }
+
+    /// Ends a hyperperiod in which a gating sample is missing.
+    #[task(priority = 4)]
+    async fn late_hyperperiod(_: late_hyperperiod::Context, at: Instant) {
+        Mono::delay_until(at).await;
+        rtic::pend(HYPERPERIOD);
+    }
+
+    /// Runs control where nothing else did, feeds the watchdog, looks after the MPU6050.
+    #[task(priority = 4, local = [watchdog], shared = [autopilot, motors, imu_bus])]
+    async fn failsafe(mut cx: failsafe::Context) {
+        let mut autopilot = cx.shared.autopilot;
+        loop {
+            let time = now();
+            let due = autopilot.lock(|pilot| pilot.deadline() <= time);
+            if due && let Some(output) = autopilot.lock(|pilot| pilot.on_timer(time)) {
+                cx.shared.motors.lock(|motors| motors.write(&output));
+            }
+            rtic::pend(CHIPS);
+            cx.local.watchdog.feed();
+            if cx.shared.imu_bus.lock(|bus| imu::is_silent(bus, time)) {
+                let _ = repair_imu::spawn();
+            }
+            let deadline = autopilot.lock(|pilot| pilot.deadline());
+            let (soonest, latest) = (time + micros(500), time + watchdog::LONGEST_SLEEP);
+            Mono::delay_until(deadline.clamp(soonest, latest)).await;
+        }
+    }
+
+    /// Owner of the SPI bus: samples first, then the autopilot's orders.
+    #[task(binds = CAN2_RX0, priority = 3, local = [chips], shared = [autopilot, fetches])]
+    fn chips(cx: chips::Context) {
+        let (mut autopilot, mut fetches) = (cx.shared.autopilot, cx.shared.fetches);
+        for _ in 0..MOST_JOBS {
+            if let Some((half, at)) = fetches.lock(Fetches::next) {
+                let sample = cx.local.chips.fetch(half);
+                autopilot.lock(|pilot| match sample {
+                    Ok(sample) => raise(sample.deliver(pilot, at)),
+                    Err(_) => pilot.on_fault(at, Fault::ChipBus),
+                });
+            } else if let Some(order) = autopilot.lock(|pilot| pilot.next_order()) {
+                let result = cx.local.chips.execute(order);
+                autopilot.lock(|pilot| {
+                    let at = now();
+                    if let Ok(Some(sample)) = result {
+                        raise(sample.deliver(pilot, at));
+                    }
+                    pilot.on_order_done(at, order, result.map(|_| ()));
+                });
+            } else {
+                return;
+            }
+        }
+        rtic::pend(CHIPS);
+    }
+
+    /// The line fell idle: takes what came.
+    #[task(binds = USART2, priority = 2, shared = [link, autopilot])]
+    fn link_idle(cx: link_idle::Context) {
+        receive(cx.shared.link, cx.shared.autopilot);
+    }
+
+    /// Half of the ring is full: takes what came.
+    #[task(binds = DMA1_STREAM5, priority = 2, shared = [link, autopilot])]
+    fn link_half(cx: link_half::Context) {
+        receive(cx.shared.link, cx.shared.autopilot);
+    }
+
+    /// A block went out: sends the next.
+    #[task(binds = DMA1_STREAM6, priority = 2, shared = [link])]
+    fn link_sent(mut cx: link_sent::Context) {
+        cx.shared.link.lock(|link| link.on_sent());
+    }
+
+    /// Tells the peer once a second that the drone is there, and its state.
+    #[task(priority = 2, shared = [link, autopilot])]
+    async fn heartbeat(cx: heartbeat::Context) {
+        let (mut link, mut autopilot) = (cx.shared.link, cx.shared.autopilot);
+        loop {
+            let state = autopilot.lock(|pilot| pilot.telemetry());
+            link.lock(|link| link.beat(state.arming));
+            Mono::delay(link::BEAT).await;
+        }
+    }
+
+    /// Frees the I2C bus and configures the MPU6050 anew; bursts pause meanwhile.
+    #[task(priority = 1, local = [failed: bool = false], shared = [imu_bus])]
+    async fn repair_imu(cx: repair_imu::Context) {
+        let mut engine = cx.shared.imu_bus;
+        if let Some(mut bus) = engine.lock(|engine| engine.lend()) {
+            let fault = imu::repair(&mut bus, cx.local.failed);
+            engine.lock(|engine| engine.give_back(bus, fault));
+        }
+    }
+
+    /// Refits models and logs events, then sleeps until an interrupt.
+    #[idle(shared = [autopilot])]
+    fn idle(cx: idle::Context) -> ! {
+        let mut autopilot = cx.shared.autopilot;
+        loop {
+            if WORK.swap(false, Ordering::Relaxed) {
+                if let Some(job) = autopilot.lock(|pilot| pilot.refit_due(now())) {
+                    let fit = job.fit();
+                    autopilot.lock(|pilot| pilot.on_refit(now(), fit));
+                }
+                let mut next = |_| autopilot.lock(|pilot| pilot.next_event());
+                for event in (0..MOST_EVENTS).map_while(&mut next) {
+                    defmt::info!("{}", event);
+                }
+            }
+            board::sleep_unless(&WORK);
+        }
+    }
+
+    /// Does what a sample or a message asked for.
+    fn raise(next: Next) {
+        match next {
+            Next::Wait => {}
+            Next::Hyperperiod => rtic::pend(HYPERPERIOD),
+            // Where one is awaited already, it comes soon enough.
+            Next::HyperperiodAt(at) => drop(late_hyperperiod::spawn(at)),
+        }
+    }
+
+    /// Takes what the link brought; messages go to the autopilot, answers back to the peer.
+    fn receive(mut link: impl rtic::Mutex<T = Link>, mut autopilot: impl rtic::Mutex<T = Pilot>) {
+        let deliver = |message: &_| {
+            let (next, answer) = autopilot.lock(|pilot| pilot.on_message(now(), message));
+            raise(next);
+            answer
+        };
+        if link.lock(|link| link.receive(now(), deliver)).is_err() {
+            autopilot.lock(|pilot| pilot.on_fault(now(), Fault::LinkOverrun));
+        }
+    }
+}
