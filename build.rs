@@ -24,7 +24,10 @@ fn constants(output: &Path) -> Result<(), String> {
     println!("cargo::rerun-if-changed=config");
     let configuration =
         reflex_config::load(Path::new("config")).map_err(|error| error.to_string())?;
-    write(&output.join("config.rs"), configuration.to_rust().as_bytes())
+    write(
+        &output.join("config.rs"),
+        configuration.to_rust().as_bytes(),
+    )
 }
 
 /// `link.x` of cortex-m-rt includes `memory.x` from the linker's search path.

@@ -17,9 +17,7 @@ mod runs;
 mod schedule;
 mod types;
 
-pub use call::{
-    Call, CallRing, DecodeError, LONGEST_RECORD, RING_LENGTH, Ran, Recorder, Stamped,
-};
+pub use call::{Call, CallRing, DecodeError, LONGEST_RECORD, RING_LENGTH, Ran, Recorder, Stamped};
 pub use types::{ChipOrder, Fault, Next, OrderError, Reason};
 
 use crate::estimate::{Arrival, GyroCalibration};

@@ -15,6 +15,7 @@
 
 pub mod calls;
 mod clock;
+mod hard_fault;
 mod i2c;
 pub mod imu;
 pub mod link;

@@ -1,7 +1,7 @@
 //! What a user configured, as constants: `config/*.toml`, checked by the build.
 //!
 //! The target parses nothing. `build.rs` reads and checks the files, and stops the build with
-//! one line that names file, line, key and range. On the host [`describe`] shows what holds.
+//! one line that names file, line, key and range. On the host `describe` shows what holds.
 
 use crate::settings::{MotorProtocol, Policy, Reference, Settings, WarmUp};
 use crate::time::{Duration, micros};

@@ -9,5 +9,5 @@ mod rate_law;
 mod setpoint;
 
 pub use attitude_law::AttitudeLaw;
-pub use rate_law::{RateLaw, RateState};
+pub use rate_law::{RateInput, RateLaw, RateState};
 pub use setpoint::{Setpoint, Yaw};

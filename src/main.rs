@@ -1,4 +1,4 @@
-//! Reflex on the STM32F427: an RTIC application that stamps, moves bytes and calls the autopilot.
+//! Reflex on the STM32F427: RTIC tasks that stamp, move bytes, call the autopilot.
 //!
 //! Higher priorities preempt lower ones; RTIC's locks bound how long one may be held up. Every
 //! decision is taken behind the one door `Autopilot::on_*`, which a host can open as well.
@@ -52,13 +52,10 @@ mod app {
     use crate::board::{self, Chips, Engine, Fetches, Line, Link, Mono, Motors, Report};
     use crate::board::{calls, imu, link, now, watchdog};
 
-    // Vectors that raise a task by software.
     const HYPERPERIOD: Interrupt = Interrupt::CAN2_TX;
     const CHIPS: Interrupt = Interrupt::CAN2_RX0;
-    /// Fetches and orders per activation of `chips`, which then raises itself again.
-    const MOST_JOBS: usize = 8;
-    /// Events logged per pass of idle: below what the log's buffer holds.
-    const MOST_EVENTS: usize = 8;
+    /// Fetches and orders per activation of `chips`, events per pass of idle: nobody goes on for ever.
+    const MOST_AT_ONCE: usize = 8;
     /// Set where idle may have something to do.
     static WORK: AtomicBool = AtomicBool::new(true);
 
@@ -191,11 +188,11 @@ mod app {
         }
     }
 
-    /// Owner of the SPI bus: samples first, then the autopilot's orders.
+    /// Owner of the SPI bus: samples first, then orders; after a failure it waits to be raised.
     #[task(binds = CAN2_RX0, priority = 3, local = [chips], shared = [autopilot, fetches])]
     fn chips(cx: chips::Context) {
         let (mut autopilot, mut fetches) = (cx.shared.autopilot, cx.shared.fetches);
-        for _ in 0..MOST_JOBS {
+        for _ in 0..MOST_AT_ONCE {
             if let Some((half, at)) = fetches.lock(Fetches::next) {
                 let sample = cx.local.chips.fetch(half);
                 autopilot.lock(|pilot| match sample {
@@ -211,6 +208,9 @@ mod app {
                     }
                     pilot.on_order_done(at, order, result.map(|_| ()));
                 });
+                if result.is_err() {
+                    return;
+                }
             } else {
                 return;
             }
@@ -268,7 +268,7 @@ mod app {
                     autopilot.lock(|pilot| pilot.on_refit(now(), fit));
                 }
                 let mut next = |_| autopilot.lock(|pilot| pilot.next_event());
-                for event in (0..MOST_EVENTS).map_while(&mut next) {
+                for event in (0..MOST_AT_ONCE).map_while(&mut next) {
                     defmt::info!("{}", event);
                 }
             }

@@ -20,3 +20,12 @@ pub use vector::Vec3;
 pub fn sqrt(x: f32) -> f32 {
     libm::sqrtf(x)
 }
+
+/// `x` within `-limit..=limit`, for `limit` of zero or more.
+///
+/// Unlike `f32::clamp`, which panics where its bounds are in disorder, and brings the text of
+/// that panic with it: 17 KiB of flash.
+#[must_use]
+pub fn limited(x: f32, limit: f32) -> f32 {
+    x.max(-limit).min(limit)
+}

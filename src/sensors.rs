@@ -46,8 +46,7 @@ impl Input {
     pub const COUNT: usize = 4;
 
     /// All of them, in the order of their numbers.
-    pub const ALL: [Self; Self::COUNT] =
-        [Self::Gyro, Self::Accel, Self::ChipAccel, Self::ChipMag];
+    pub const ALL: [Self; Self::COUNT] = [Self::Gyro, Self::Accel, Self::ChipAccel, Self::ChipMag];
 
     /// The input of a number, `None` past the last.
     #[must_use]
@@ -97,9 +96,14 @@ impl Cause {
     /// The cause of a number, `None` past the last.
     #[must_use]
     pub fn from_number(number: u8) -> Option<Self> {
-        [Self::DataReady, Self::Threshold, Self::Heartbeat, Self::Rearm]
-            .get(usize::from(number))
-            .copied()
+        [
+            Self::DataReady,
+            Self::Threshold,
+            Self::Heartbeat,
+            Self::Rearm,
+        ]
+        .get(usize::from(number))
+        .copied()
     }
 }
 
@@ -121,7 +125,23 @@ impl ImuSample {
     /// burst repeats an old sample.
     #[must_use]
     pub fn from_burst(at: Instant, burst: &[u8; IMU_BURST_LENGTH]) -> Option<Self> {
-        let &[status, ax, axl, ay, ayl, az, azl, _, _, gx, gxl, gy, gyl, gz, gzl] = burst;
+        let &[
+            status,
+            ax,
+            axl,
+            ay,
+            ayl,
+            az,
+            azl,
+            _,
+            _,
+            gx,
+            gxl,
+            gy,
+            gyl,
+            gz,
+            gzl,
+        ] = burst;
         if status & 1 == 0 {
             return None;
         }

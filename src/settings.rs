@@ -93,7 +93,9 @@ impl core::fmt::Display for SettingsError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::PRun => "p_run must lie between 0 and 1, both excluded",
-            Self::Failsafe => "failsafe must be longer than two hyperperiods (2 ms) and at most 1 s",
+            Self::Failsafe => {
+                "failsafe must be longer than two hyperperiods (2 ms) and at most 1 s"
+            }
             Self::Quantum => "quantum must be above 0 and at most half of full scale",
             Self::Period => "the periodic rate must lie between 1 Hz and 1000 Hz",
             Self::WarmUp => "a fixed warm-up must not be longer than 30 s",

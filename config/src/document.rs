@@ -111,7 +111,7 @@ fn find(value: &DeValue<'_>, path: &[&str]) -> Option<usize> {
             (key.span().start, inner)
         }
         DeValue::Array(list) => {
-            let inner = list.iter().nth(first.parse().ok()?)?;
+            let inner = list.get(first.parse::<usize>().ok()?)?;
             (inner.span().start, inner)
         }
         _ => return None,

@@ -81,7 +81,7 @@ pub struct WarmUp {
     /// Labels of each class that a model needs, 1 to 10000.
     #[serde(deserialize_with = "range::labels")]
     pub labels_of_each_class: u32,
-    /// Relative move of a threshold below which it is stable, within (0, 1].
+    /// How far from `P_run` a refit may see the old threshold while it counts as stable, (0, 1].
     #[serde(deserialize_with = "range::positive_share")]
     pub stable_change: f64,
 }

@@ -1,4 +1,4 @@
-//! The configuration as Rust source: constants for the firmware, documented one by one.
+//! The configuration as Rust source: documented constants for the firmware.
 //!
 //! The source is included by `src/config.rs` of the package `reflex` and uses the types in scope
 //! there: `Settings` and its enums, `Duration`, `micros`, `SensorInput`.
@@ -126,7 +126,7 @@ fn learning(reactive: &Reactive) -> Vec<Constant> {
         (
             "STABLE_CHANGE",
             float(warm_up.stable_change),
-            "Relative move of a threshold at a refit below which it is stable.",
+            "How far from `P_run` a refit may see the old threshold while it counts as stable.",
         ),
         (
             "FORGETTING",

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use cargo_metadata::Message;
+use object::LittleEndian as LE;
 use object::elf::{FileHeader32, PT_LOAD, SHF_ALLOC, SHT_NOTE};
 use object::read::elf::{ElfFile32, FileHeader, ProgramHeader, SectionHeader};
-use object::LittleEndian as LE;
 
 use crate::progress::Progress;
 use crate::toolchain::{self, TARGET};
@@ -48,7 +48,13 @@ impl Firmware {
         toolchain::ensure_target(progress)?;
         progress.stage("Building the firmware");
         let mut build = toolchain::cargo();
-        build.args(["build", "--release", "--ignore-rust-version", "--target", TARGET]);
+        build.args([
+            "build",
+            "--release",
+            "--ignore-rust-version",
+            "--target",
+            TARGET,
+        ]);
         build.args(["--package", NAME, "--bin", NAME]);
         build.arg("--message-format=json-render-diagnostics");
         let messages = toolchain::run(&mut build, progress)?;
@@ -61,7 +67,8 @@ impl Firmware {
     /// # Errors
     /// The file cannot be read or is no ELF file for the processor.
     pub fn read(path: PathBuf) -> Result<Self> {
-        let bytes = fs::read(&path).with_context(|| format!("{} cannot be read", path.display()))?;
+        let bytes =
+            fs::read(&path).with_context(|| format!("{} cannot be read", path.display()))?;
         let sizes = Sizes::of(&bytes).with_context(|| path.display().to_string())?;
         Ok(Self { path, bytes, sizes })
     }
@@ -101,7 +108,8 @@ impl Sizes {
         }
         for section in header.section_headers(LE, bytes).context("is cut short")? {
             let allocated = section.sh_flags(LE) & SHF_ALLOC != 0;
-            if allocated && section.sh_type(LE) != SHT_NOTE && !FLASH.contains(&section.sh_addr(LE)) {
+            if allocated && section.sh_type(LE) != SHT_NOTE && !FLASH.contains(&section.sh_addr(LE))
+            {
                 sizes.ram_bytes += section.sh_size(LE);
             }
         }

@@ -13,6 +13,8 @@ pub mod commands;
 pub mod firmware;
 pub mod flights;
 pub mod progress;
+#[cfg(test)]
+mod recordings;
 pub mod refusal;
 pub mod replay;
 pub mod replay_options;

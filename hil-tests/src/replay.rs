@@ -13,8 +13,11 @@
 mod about;
 mod alignment;
 mod bench;
+mod latency;
 mod observation;
 mod story;
+#[cfg(test)]
+mod tests;
 
 use anyhow::{Context, Result, bail};
 use std::fs::File;

@@ -42,7 +42,8 @@ pub fn cargo() -> Command {
     command.current_dir(root()).stdin(Stdio::null());
     for (name, _) in std::env::vars_os() {
         let name = name.to_string_lossy();
-        let of_cargo = name.starts_with("CARGO_") && !KEPT.iter().any(|kept| name.starts_with(kept));
+        let of_cargo =
+            name.starts_with("CARGO_") && !KEPT.iter().any(|kept| name.starts_with(kept));
         if of_cargo || CONFUSING.contains(&name.as_ref()) {
             command.env_remove(name.as_ref());
         }
@@ -92,11 +93,27 @@ fn drain(
         while matches!(lines.read_until(b'\n', &mut line), Ok(1..)) {
             let text = String::from_utf8_lossy(&line);
             progress.detail(text.trim());
-            said.push_str(&text);
+            if !is_status(&text) {
+                said.push_str(&text);
+            }
             line.clear();
         }
         (reader.join().unwrap_or_default(), said)
     })
+}
+
+/// Whether a line only says what cargo is busy with, as `   Compiling reflex v0.1.0`.
+fn is_status(line: &str) -> bool {
+    let busy = [
+        "Blocking",
+        "Checking",
+        "Compiling",
+        "Documenting",
+        "Downloaded",
+        "Downloading",
+    ];
+    let word = line.split_whitespace().next().unwrap_or_default();
+    line.starts_with("  ") && busy.contains(&word)
 }
 
 /// A command as it would be typed.
@@ -150,14 +167,18 @@ pub fn ensure_component(name: &str, command: &str, progress: &mut dyn Progress) 
 
 /// `rustup` with these arguments, or a refusal that says to run it.
 fn add(arguments: &[&str]) -> Result<()> {
-    let answer = Command::new("rustup").args(arguments).current_dir(root()).output();
+    let answer = Command::new("rustup")
+        .args(arguments)
+        .current_dir(root())
+        .output();
     let reason = match answer {
         Ok(answer) if answer.status.success() => return Ok(()),
         Ok(answer) => last_line(&answer.stderr),
         Err(error) => format!("rustup cannot be started: {error}"),
     };
     Err(Refusal::new(format!(
-        "the Rust toolchain lacks something and it could not be added; run `rustup {}` ({reason})",
+        "the Rust toolchain lacks {}, run `rustup {}` to add it ({reason})",
+        arguments.last().unwrap_or(&"something"),
         arguments.join(" ")
     ))
     .into())
@@ -195,8 +216,18 @@ mod tests {
     }
 
     #[test]
+    fn what_cargo_is_busy_with_is_no_output() {
+        assert!(is_status("   Compiling reflex v0.1.0\n"));
+        assert!(!is_status("error: Compiling is over\n"));
+        assert!(!is_status("   --> src/lib.rs:1:1\n"));
+    }
+
+    #[test]
     fn the_last_line_with_words_is_the_reason() {
-        assert_eq!(last_line(b"info: trying\nerror: no network\n\n"), "error: no network");
+        assert_eq!(
+            last_line(b"info: trying\nerror: no network\n\n"),
+            "error: no network"
+        );
         assert_eq!(last_line(b""), "it did not say why");
     }
 }

@@ -26,7 +26,7 @@ pub const fn period_ticks(protocol: MotorProtocol) -> (u16, u16) {
 #[must_use]
 pub fn ticks(protocol: MotorProtocol, share: f32) -> u16 {
     let shortest = shortest(protocol);
-    // `max` before `min`: not a number becomes zero.
+    #[expect(clippy::manual_clamp, reason = "not a number shall become zero")]
     let share = share.max(0.0).min(1.0);
     shortest + (share * f32::from(shortest) + 0.5) as u16
 }

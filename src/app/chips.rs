@@ -24,8 +24,8 @@ const HIGH_PASS_TIME: f32 = 0.64;
 /// A sample that repeats this often, bit by bit, comes from a chip that is stuck.
 const STUCK: u8 = 50;
 
-/// After this long without an answer an order counts as lost and is given again.
-const ORDER_LIFE: Duration = micros(50_000);
+/// After this long without an answer an order counts as lost, and after a failure is given again.
+const PATIENCE: Duration = micros(100_000);
 
 /// What a chip interrupts for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,8 +39,9 @@ enum Mode {
 pub(super) struct Chip {
     wanted: Mode,
     programmed: Option<Mode>,
-    /// When the order under way was given.
+    /// When the order under way was given, or the last one failed: nothing is ordered for a while.
     ordered: Option<Instant>,
+    failures: u32,
     rearm: bool,
     rearmed: Instant,
     seen: Instant,
@@ -62,6 +63,7 @@ impl Default for Chip {
             wanted: Mode::DataReady,
             programmed: None,
             ordered: None,
+            failures: 0,
             rearm: false,
             rearmed: Instant::from_ticks(0),
             seen: Instant::from_ticks(0),
@@ -98,7 +100,7 @@ impl Chip {
 
     /// Re-arming more often than the chip samples would change nothing.
     fn need(&mut self, now: Instant, period: Duration, failsafe: Duration) -> Option<Need> {
-        if self.ordered.is_some_and(|at| span(at, now) < ORDER_LIFE) {
+        if self.ordered.is_some_and(|at| span(at, now) < PATIENCE) {
             return None;
         }
         let need = if self.programmed != Some(self.wanted) {
@@ -118,7 +120,7 @@ impl Chip {
     }
 
     fn on_done(&mut self, at: Instant, order: Done, result: Result<(), OrderError>) {
-        self.ordered = None;
+        self.ordered = result.is_err().then_some(at);
         if result.is_ok() {
             self.seen = at;
         }
@@ -133,7 +135,10 @@ impl Chip {
             }
             (Done::HeartbeatRead, Ok(())) => {}
             // Whatever failed, what the chip does now is not known: program it anew.
-            (_, Err(_)) => self.programmed = None,
+            (_, Err(_)) => {
+                self.programmed = None;
+                self.failures = self.failures.saturating_add(1);
+            }
         }
     }
 }
@@ -200,11 +205,14 @@ impl<R: Recorder> Autopilot<R> {
         };
         let programs = matches!(done, Done::Programmed(_));
         chip.on_done(at, done, result);
+        let failures = chip.failures;
         match result {
             Ok(()) if programs => self.events.push(Event::Programmed(order)),
             Ok(()) => {}
             Err(error) => {
-                self.events.push(Event::OrderFailed(order, error));
+                if failures.is_power_of_two() {
+                    self.events.push(Event::OrderFailed(order, error));
+                }
                 self.count(Fault::ChipBus);
             }
         }

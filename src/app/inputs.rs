@@ -7,9 +7,7 @@ use crate::link::{Answer, ExternalPose, Message};
 use crate::math::{Vec3, atan2, wrapped};
 use crate::reactive::{Phase, PhaseEvent};
 use crate::safety::{Arming, ArmingEvent};
-use crate::sensors::{
-    Cause, IMU_BURST_LENGTH, ImuSample, Input, chip_field, chip_force,
-};
+use crate::sensors::{Cause, IMU_BURST_LENGTH, ImuSample, Input, chip_field, chip_force};
 use crate::telemetry::Event;
 use crate::time::{Duration, Instant, micros, span};
 use crate::units::BodyRates;
@@ -31,6 +29,7 @@ impl<R: Recorder> Autopilot<R> {
             self.count(Fault::ImuStale);
             return Next::Wait;
         };
+        self.schedule.gate(at);
         let Some(bias) = self.bias else {
             self.calibrate(&sample);
             return Next::Wait;
@@ -48,7 +47,10 @@ impl<R: Recorder> Autopilot<R> {
         self.compare(Input::Accel, force);
         let exploration = &mut self.exploration;
         let phase = self.supervisor.phase();
-        if self.schedule.end_of_hyperperiod(at, phase, || exploration.draw()) {
+        if self
+            .schedule
+            .end_of_hyperperiod(at, phase, || exploration.draw())
+        {
             Next::Hyperperiod
         } else {
             Next::Wait
@@ -157,7 +159,11 @@ impl<R: Recorder> Autopilot<R> {
     }
 
     fn on_arm(&mut self, arm: bool) -> Answer {
-        let event = if arm { ArmingEvent::Arm } else { ArmingEvent::Disarm };
+        let event = if arm {
+            ArmingEvent::Arm
+        } else {
+            ArmingEvent::Disarm
+        };
         if self.move_arming(event) {
             Answer::Accepted
         } else {

@@ -9,7 +9,7 @@ use crate::config::{
 use crate::control::Setpoint;
 use crate::math::Vec3;
 use crate::reactive::{
-    Exploration, Fit, Held, Labels, Phase, Refit, RefitJob, Rule, ShadowHolds, Trigger,
+    Exploration, Fit, Held, Labels, Logistic, Phase, Refit, RefitJob, Rule, ShadowHolds, Trigger,
 };
 use crate::sensors::Input;
 use crate::settings::Settings;
@@ -60,11 +60,17 @@ impl Learner {
         }
         let before = self.trigger.model().map(|_| self.trigger.threshold());
         self.trigger.set_fit(fit);
-        let after = self.trigger.model().map(|_| self.trigger.threshold());
-        self.stable = match (before, after) {
-            (Some(before), Some(after)) if is_close(before, after) => self.stable.saturating_add(1),
+        self.stable = match (before, self.trigger.model()) {
+            (Some(threshold), Some(model)) if self.is_still_right(threshold, &model) => {
+                self.stable.saturating_add(1)
+            }
             _ => 0,
         };
+    }
+
+    /// True where a newer model sees an older threshold close to `P_run` too.
+    fn is_still_right(&self, threshold: f32, newer: &Logistic) -> bool {
+        (newer.probability(threshold) - self.trigger.p_run()).abs() <= STABLE_CHANGE
     }
 
     /// Stable and with labels of both classes, or known not to matter.
@@ -77,10 +83,6 @@ impl Learner {
             }
         }
     }
-}
-
-fn is_close(before: f32, after: f32) -> bool {
-    (after - before).abs() <= STABLE_CHANGE * before.abs().max(after.abs())
 }
 
 impl Learners {

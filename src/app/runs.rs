@@ -82,12 +82,15 @@ impl<R: Recorder> Autopilot<R> {
                 shares: output.share(),
             }),
         );
-        self.events.push(Event::Ran {
-            number: self.schedule.runs(),
-            reason,
-            asked,
-            changed,
-        });
+        // On the ground a line every millisecond would tell nothing.
+        if reason != Reason::Ground {
+            self.events.push(Event::Ran {
+                number: self.schedule.runs(),
+                reason,
+                asked,
+                changed,
+            });
+        }
         output
     }
 

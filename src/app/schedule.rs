@@ -5,7 +5,10 @@ use crate::config::HYPERPERIOD;
 use crate::reactive::Phase;
 use crate::sensors::Input;
 use crate::settings::{Policy, Settings};
-use crate::time::{Duration, Instant, span};
+use crate::time::{Duration, Instant, at_micros, micros, span};
+
+/// How long the gating sensor may take to deliver its first sample.
+const WAKING: Duration = micros(1_000_000);
 
 /// Bookkeeping of runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,20 +61,26 @@ impl Schedule {
         self.runs
     }
 
-    /// The last gating input of a hyperperiod arrived: is a run due, and why?
+    /// A gating sample arrived.
+    pub(super) fn gate(&mut self, at: Instant) {
+        self.last_gate = Some(at);
+    }
+
+    /// The last gating input of a hyperperiod arrived: is a run due?
     pub(super) fn end_of_hyperperiod(
         &mut self,
         at: Instant,
         phase: Phase,
         explore: impl FnOnce() -> bool,
     ) -> bool {
-        self.last_gate = Some(at);
         let reason = match phase {
             Phase::Ground => Some(Reason::Ground),
             Phase::WarmUp => Some(Reason::WarmUp),
             Phase::Fallback(_) => Some(Reason::Fallback),
             Phase::Periodic => self.is_period_over(at).then_some(Reason::Periodic),
-            Phase::Reactive => self.asked_reason().or_else(|| explore().then_some(Reason::Exploration)),
+            Phase::Reactive => self
+                .asked_reason()
+                .or_else(|| explore().then_some(Reason::Exploration)),
         };
         self.pending = reason;
         reason.is_some()
@@ -119,8 +128,13 @@ impl Schedule {
     }
 
     /// True where the gating sensor has been silent for two failsafe periods.
+    ///
+    /// At start-up it is given its time to wake.
     pub(super) fn is_gate_silent(&self, now: Instant) -> bool {
-        span(self.last_gate.unwrap_or(Instant::from_ticks(0)), now) > self.failsafe * 2
+        match self.last_gate {
+            Some(at) => span(at, now) > self.failsafe * 2,
+            None => now > at_micros(0) + WAKING,
+        }
     }
 
     /// A run happened.

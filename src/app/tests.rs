@@ -122,10 +122,23 @@ fn it_refuses_to_arm_before_the_gyroscope_is_calibrated() {
 fn motors_stay_stopped_until_armed_and_stop_when_disarmed() {
     let mut bench = Bench::new(SETTINGS);
     bench.milliseconds(1000, |_| Some(0));
-    assert!(bench.outputs.iter().all(|(_, shares)| *shares == [0.0; MOTORS]));
+    assert!(
+        bench
+            .outputs
+            .iter()
+            .all(|(_, shares)| *shares == [0.0; MOTORS])
+    );
     let mut bench = Bench::armed(SETTINGS);
     bench.milliseconds(10, |_| Some(0));
-    assert!(bench.outputs.last().expect("runs").1.iter().all(|share| *share > 0.3));
+    assert!(
+        bench
+            .outputs
+            .last()
+            .expect("runs")
+            .1
+            .iter()
+            .all(|share| *share > 0.3)
+    );
     bench.tell(&Message::Arm(false));
     bench.milliseconds(10, |_| Some(0));
     assert_eq!(bench.outputs.last().expect("runs").1, [0.0; MOTORS]);
@@ -140,7 +153,10 @@ fn warm_up_fits_a_model_and_reactive_control_spares_runs() {
     let before = bench.outputs.len();
     bench.milliseconds(4_000, gusty);
     let runs = bench.outputs.len() - before;
-    assert!((40..3_000).contains(&runs), "{runs} runs in 4000 hyperperiods");
+    assert!(
+        (40..3_000).contains(&runs),
+        "{runs} runs in 4000 hyperperiods"
+    );
     assert!(bench.reasons().contains(&Reason::Trigger));
 }
 
@@ -199,13 +215,37 @@ fn in_reactive_control_the_chip_is_told_its_threshold() {
             let _ = bench.autopilot.on_chip_accel(now, counts, Cause::DataReady);
         }
         while let Some(order) = bench.autopilot.next_order() {
-            bench.autopilot.on_order_done(at_micros(bench.now), order, Ok(()));
+            bench
+                .autopilot
+                .on_order_done(at_micros(bench.now), order, Ok(()));
         }
     }
     let told = bench.autopilot.recorder.iter().any(|stamped| {
         matches!(stamped.call, Call::OrderDone(ChipOrder::AccelThreshold(code), _) if code > 0)
     });
     assert!(told, "{:?}", bench.autopilot.fit(Input::ChipAccel));
+}
+
+#[test]
+fn a_chip_that_fails_is_asked_again_now_and_then_and_does_not_hold_up_the_other() {
+    let mut bench = Bench::armed(short_warm_up());
+    let (mut failed, mut done) = (0, 0);
+    for _ in 0..1_000 {
+        bench.milliseconds(1, gusty);
+        let now = at_micros(bench.now);
+        while let Some(order) = bench.autopilot.next_order() {
+            let accel = matches!(order, ChipOrder::AccelDataReady | ChipOrder::AccelHeartbeat);
+            let result = if accel { Err(OrderError::Bus) } else { Ok(()) };
+            (failed, done) = if accel {
+                (failed + 1, done)
+            } else {
+                (failed, done + 1)
+            };
+            bench.autopilot.on_order_done(now, order, result);
+        }
+    }
+    assert!((9..=11).contains(&failed), "{failed} attempts in a second");
+    assert!(done > 5, "{done} orders for the magnetometer");
 }
 
 #[test]

@@ -1,4 +1,6 @@
-//! The MPU6050's start, repair and register checks; its samples come by [`super::i2c::Engine`].
+//! The MPU6050's start, repair and register checks.
+//!
+//! Its samples come by [`super::i2c::Engine`].
 
 use reflex::app::Fault;
 use reflex::time::{Duration, Instant, micros, span};

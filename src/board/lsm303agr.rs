@@ -1,4 +1,4 @@
-//! The LSM303AGR's owner: start-up, sample fetches and the autopilot's orders over SPI1.
+//! The LSM303AGR's owner: sample fetches and the autopilot's orders over SPI1.
 //!
 //! The crate `lsm303agr` sets rates, ranges and modes; the register layer of `reflex-drivers` does
 //! thresholds, latches, re-arming and every read-back. Both halves sit behind their own chip
@@ -67,7 +67,7 @@ impl<T> Routing<T> {
 #[derive(Clone, Copy)]
 struct State<T> {
     routing: Routing<T>,
-    /// It passed its last check.
+    /// Its last order succeeded.
     answers: bool,
     /// Its pin was heard since its last heartbeat.
     heard: bool,
@@ -80,10 +80,9 @@ impl<T> State<T> {
         heard: true,
     };
 
-    /// True where it must be set up again: it failed a check, or its samples stopped coming.
-    fn is_lost(&self) -> bool {
-        let awaited = matches!(self.routing, Routing::DataReady);
-        !self.answers || (awaited && !self.heard)
+    /// True where every sample should have been heard, and none was.
+    fn is_silent(&self) -> bool {
+        matches!(self.routing, Routing::DataReady) && !self.heard
     }
 }
 
@@ -132,7 +131,7 @@ pub struct Chips {
 impl Chips {
     /// Takes the bus and the chip selects, and sets both halves up.
     ///
-    /// A half that does not answer is named in the log and tried again at every heartbeat.
+    /// A half that does not answer is named in the log and tried again at every order.
     pub fn start(bus: &'static AtomicCell<Spi1>, (accel, mag): (PA4<Output>, PC4<Output>)) -> Self {
         let Ok(accel) = AtomicDevice::new(bus, accel, Delay);
         let Ok(mag) = AtomicDevice::new(bus, mag, Delay);
@@ -212,6 +211,16 @@ impl Chips {
     /// # Errors
     /// The bus's, a register that does not hold what was written, a chip that is not there.
     pub fn execute(&mut self, order: ChipOrder) -> Result<Option<Sample>, OrderError> {
+        let half = half_of(order);
+        let result = self.revive_lost(half).and_then(|()| self.obey(order));
+        match half {
+            Half::Accel => self.accel_state.answers = result.is_ok(),
+            Half::Mag => self.mag_state.answers = result.is_ok(),
+        }
+        result
+    }
+
+    fn obey(&mut self, order: ChipOrder) -> Result<Option<Sample>, OrderError> {
         match order {
             ChipOrder::AccelDataReady => self.route_accel(Routing::DataReady)?,
             ChipOrder::AccelThreshold(code) => {
@@ -294,6 +303,20 @@ impl Chips {
         }
         self.mag_state.routing = routing;
         Ok(())
+    }
+}
+
+/// The half that an order is for.
+fn half_of(order: ChipOrder) -> Half {
+    match order {
+        ChipOrder::AccelDataReady
+        | ChipOrder::AccelThreshold(_)
+        | ChipOrder::AccelRearm
+        | ChipOrder::AccelHeartbeat => Half::Accel,
+        ChipOrder::MagDataReady
+        | ChipOrder::MagThreshold(_)
+        | ChipOrder::MagRearm
+        | ChipOrder::MagHeartbeat => Half::Mag,
     }
 }
 

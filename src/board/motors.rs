@@ -1,4 +1,4 @@
-//! Motor pulses: TIM3 on PC6 to PC9 for motors 1 to 4, TIM4 on PD12 to PD15 for 5 to 8.
+//! Motor pulses: TIM3 drives motors 1 to 4, TIM4 motors 5 to 8.
 //!
 //! Compare registers are preloaded: a command takes effect at the timer's next update event, so
 //! no pulse is ever cut. Both timers count 84 MHz of APB1, divided as the protocol asks.

@@ -1,6 +1,6 @@
-//! The settings block's place in memory: the symbol `REFLEX_SETTINGS`, written before start.
+//! The settings block's place in memory: the symbol `REFLEX_SETTINGS`.
 //!
-//! Start-up code leaves `.uninit` alone, so what a host or a bootloader wrote there survives.
+//! A host or a bootloader writes it before start; start-up code leaves `.uninit` alone.
 
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;

@@ -36,13 +36,8 @@ impl AttitudeLaw {
             Yaw::Heading => attitude.error_to(target),
             Yaw::Rate => tilt_error(attitude, target),
         };
-        let wanted = error.scale(self.gain);
-        let limited = Vec3::new(
-            wanted.x.clamp(-self.limit.x, self.limit.x),
-            wanted.y.clamp(-self.limit.y, self.limit.y),
-            wanted.z.clamp(-self.limit.z, self.limit.z),
-        );
-        BodyRates(limited + setpoint.rates.0)
+        let wanted = error.scale(self.gain).limited(self.limit);
+        BodyRates(wanted + setpoint.rates.0)
     }
 }
 
@@ -94,7 +89,10 @@ mod tests {
         let attitude = Quaternion::IDENTITY.turned_by(Vec3::new(0.0, 0.2, 0.0));
         for yaw in [Yaw::Heading, Yaw::Rate] {
             let rates = AttitudeLaw::default().rates(attitude, &target(Quaternion::IDENTITY, yaw));
-            assert!((rates.0.y + 0.2 * ATTITUDE_P[1]).abs() < 0.02, "{yaw:?} {rates:?}");
+            assert!(
+                (rates.0.y + 0.2 * ATTITUDE_P[1]).abs() < 0.02,
+                "{yaw:?} {rates:?}"
+            );
         }
     }
 
@@ -111,7 +109,8 @@ mod tests {
     #[test]
     fn upside_down_still_asks_for_a_turn() {
         let attitude = Quaternion::from_up(Vec3::new(0.0, 0.05, 1.0)).expect("a direction");
-        let rates = AttitudeLaw::default().rates(attitude, &target(Quaternion::IDENTITY, Yaw::Rate));
+        let rates =
+            AttitudeLaw::default().rates(attitude, &target(Quaternion::IDENTITY, Yaw::Rate));
         assert!(rates.0.max_norm() > 1.0);
     }
 

@@ -1,7 +1,7 @@
 //! The inner loop: rate error to torque demands, PID about each axis.
 
 use crate::config::{INTEGRAL_LIMIT, RATE_D, RATE_D_CUTOFF, RATE_I, RATE_P};
-use crate::math::Vec3;
+use crate::math::{Vec3, limited};
 use crate::units::{BodyRates, TorqueDemand};
 use core::f32::consts::TAU;
 
@@ -40,42 +40,54 @@ pub struct RateState {
     integral: Vec3,
     /// Filtered angular acceleration in rad/s2.
     acceleration: Vec3,
-    /// The rates of the step before.
-    rates: Option<BodyRates>,
+    /// Wanted and measured rates of the step before.
+    before: Option<(BodyRates, BodyRates)>,
+}
+
+/// What the rate loop sees.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RateInput {
+    /// What the attitude loop asks for.
+    pub wanted: BodyRates,
+    /// The newest filtered rates.
+    pub measured: BodyRates,
+    /// Angle turned since the step before, in rad.
+    pub turned: Vec3,
+    /// Time since the step before, in seconds.
+    pub dt: f32,
+    /// The motors could not give the last demand: integrals may shrink but not grow.
+    pub saturated: bool,
 }
 
 impl RateLaw {
-    /// Torque demands for a rate error over the last `dt` seconds.
+    /// Torque demands; with `dt` of zero the state stays.
     ///
-    /// While `saturated`, integrals may shrink but not grow. With `dt` of zero the state stays.
-    pub fn step(
-        &self,
-        state: &mut RateState,
-        wanted: BodyRates,
-        measured: BodyRates,
-        dt: f32,
-        saturated: bool,
-    ) -> TorqueDemand {
-        let error = wanted.0 - measured.0;
-        if dt > 0.0 {
-            self.integrate(state, error, dt, saturated);
-            self.differentiate(state, measured, dt);
+    /// The integral takes the angle turned, not the newest rate times `dt`: runs that a change
+    /// of the rate asked for would sample that rate with a bias.
+    pub fn step(&self, state: &mut RateState, input: &RateInput) -> TorqueDemand {
+        if input.dt > 0.0 {
+            self.integrate(state, input);
+            self.differentiate(state, input.measured, input.dt);
+            state.before = Some((input.wanted, input.measured));
         }
+        let error = input.wanted.0 - input.measured.0;
         TorqueDemand(
             error.scale(self.proportional) + state.integral
                 - state.acceleration.scale(self.derivative),
         )
     }
 
-    fn integrate(&self, state: &mut RateState, error: Vec3, dt: f32, saturated: bool) {
+    fn integrate(&self, state: &mut RateState, input: &RateInput) {
         let grow = |integral: f32, step: f32| {
-            if saturated && integral * step > 0.0 {
+            if input.saturated && integral * step > 0.0 {
                 integral
             } else {
-                (integral + step).clamp(-self.integral_limit, self.integral_limit)
+                limited(integral + step, self.integral_limit)
             }
         };
-        let step = error.scale(self.integral) * dt;
+        let before = state.before.map_or(input.wanted, |(wanted, _)| wanted);
+        let wanted = (before.0 + input.wanted.0) * (0.5 * input.dt);
+        let step = (wanted - input.turned).scale(self.integral);
         state.integral = Vec3::new(
             grow(state.integral.x, step.x),
             grow(state.integral.y, step.y),
@@ -85,13 +97,12 @@ impl RateLaw {
 
     /// The low-pass follows the measured `dt`, so that rare runs smooth no further than needed.
     fn differentiate(&self, state: &mut RateState, measured: BodyRates, dt: f32) {
-        if let Some(before) = state.rates {
+        if let Some((_, before)) = state.before {
             let acceleration = (measured.0 - before.0) * (1.0 / dt);
             let reach = TAU * self.derivative_cutoff * dt;
             let gain = reach / (1.0 + reach);
             state.acceleration += (acceleration - state.acceleration) * gain;
         }
-        state.rates = Some(measured);
     }
 }
 
@@ -104,13 +115,23 @@ mod tests {
         BodyRates(Vec3::new(rate, 0.0, 0.0))
     }
 
+    fn input(wanted: f32, measured: f32, dt: f32) -> RateInput {
+        RateInput {
+            wanted: about_roll(wanted),
+            measured: about_roll(measured),
+            turned: about_roll(measured).0 * dt,
+            dt,
+            saturated: false,
+        }
+    }
+
     #[test]
     fn without_time_the_output_follows_and_the_state_stays() {
         let law = RateLaw::default();
         let mut state = RateState::default();
-        law.step(&mut state, about_roll(1.0), about_roll(0.0), 0.01, false);
+        law.step(&mut state, &input(1.0, 0.0, 0.01));
         let before = state;
-        let torque = law.step(&mut state, about_roll(2.0), about_roll(0.0), 0.0, false);
+        let torque = law.step(&mut state, &input(2.0, 0.0, 0.0));
         assert_eq!(state, before);
         assert!(torque.0.x > 2.0 * RATE_P[0] * 0.99);
     }
@@ -119,12 +140,41 @@ mod tests {
     fn a_saturated_integral_shrinks_but_does_not_grow() {
         let law = RateLaw::default();
         let mut state = RateState::default();
-        law.step(&mut state, about_roll(1.0), about_roll(0.0), 0.01, false);
+        let saturated = |wanted, dt| RateInput {
+            saturated: true,
+            ..input(wanted, 0.0, dt)
+        };
+        law.step(&mut state, &input(1.0, 0.0, 0.01));
         let grown = state.integral.x;
-        law.step(&mut state, about_roll(1.0), about_roll(0.0), 0.01, true);
+        law.step(&mut state, &saturated(1.0, 0.01));
         assert_eq!(state.integral.x, grown);
-        law.step(&mut state, about_roll(-1.0), about_roll(0.0), 0.005, true);
+        law.step(&mut state, &saturated(-2.0, 0.01));
         assert!(state.integral.x < grown);
+    }
+
+    #[test]
+    fn rare_steps_integrate_what_frequent_ones_do() {
+        let law = RateLaw::default();
+        let (mut often, mut rarely) = (RateState::default(), RateState::default());
+        let mut turned = Vec3::ZERO;
+        for step in 1..=1000 {
+            let rate = libm::sinf(step as f32 * 0.7);
+            let each = input(0.2, rate, 0.001);
+            law.step(&mut often, &each);
+            turned += each.turned;
+            if step % 50 == 0 {
+                law.step(
+                    &mut rarely,
+                    &RateInput {
+                        turned,
+                        dt: 0.05,
+                        ..each
+                    },
+                );
+                turned = Vec3::ZERO;
+            }
+        }
+        assert!((often.integral - rarely.integral).max_norm() < 1e-6);
     }
 
     proptest! {
@@ -135,7 +185,7 @@ mod tests {
             let law = RateLaw::default();
             let mut state = RateState::default();
             for (wanted, measured, dt) in steps {
-                let torque = law.step(&mut state, about_roll(wanted), about_roll(measured), dt, false);
+                let torque = law.step(&mut state, &input(wanted, measured, dt));
                 prop_assert!(torque.is_finite());
                 prop_assert!(state.integral.max_norm() <= law.integral_limit);
             }

@@ -97,7 +97,10 @@ mod tests {
             filter.step(&still(0.001), None);
         }
         let down = filter.attitude().down_in_body();
-        assert!((down - Vec3::new(0.0, 0.0, 1.0)).max_norm() < 2e-3, "{down:?}");
+        assert!(
+            (down - Vec3::new(0.0, 0.0, 1.0)).max_norm() < 2e-3,
+            "{down:?}"
+        );
     }
 
     #[test]

@@ -87,7 +87,11 @@ mod tests {
     #[test]
     fn movement_and_free_fall_start_it_anew() {
         let mut calibration = GyroCalibration::default();
-        assert!((0..5000).all(|at| calibration.take(&sample(at, (at % 300) as f32 * 0.001, -9.8)).is_none()));
+        assert!((0..5000).all(|at| {
+            calibration
+                .take(&sample(at, (at % 300) as f32 * 0.001, -9.8))
+                .is_none()
+        }));
         assert!((0..5000).all(|at| calibration.take(&sample(at, 0.0, -2.0)).is_none()));
     }
 }

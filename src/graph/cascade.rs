@@ -12,7 +12,7 @@
 
 use crate::airframe::{Mixed, Mixer, MotorShares};
 use crate::config::{ARMED_MINIMUM, MOTORS};
-use crate::control::{AttitudeLaw, RateLaw, RateState, Setpoint};
+use crate::control::{AttitudeLaw, RateInput, RateLaw, RateState, Setpoint};
 use crate::dataflow::{Dirty, Value};
 use crate::estimate::{AttitudeFilter, Increment};
 use crate::math::{Quaternion, Vec3};
@@ -105,12 +105,7 @@ impl Cascade {
     }
 
     /// New motion and rates, and the error of the heading in rad where one was measured.
-    pub fn set_motion(
-        &mut self,
-        motion: Increment,
-        rates: BodyRates,
-        heading_error: Option<f32>,
-    ) {
+    pub fn set_motion(&mut self, motion: Increment, rates: BodyRates, heading_error: Option<f32>) {
         if motion.dt > 0.0 {
             self.motion = motion;
             self.heading_error = heading_error;
@@ -140,31 +135,36 @@ impl Cascade {
     pub fn propagate(&mut self) -> Dirty {
         use Node::{Attitude, Motion, Rates, Setpoint, Torque, WantedRates};
         let mut dirty = self.dirty.take();
-        let dt = if dirty.any(Motion.mark()) {
+        let motion = if dirty.any(Motion.mark()) {
             self.filter.step(&self.motion, self.heading_error);
-            self.motion.dt
+            self.motion
         } else {
-            0.0
+            Increment::default()
         };
         if dirty.any(Motion.mark().or(Attitude.mark())) {
             dirty |= self.attitude.set(self.filter.attitude(), Attitude.mark());
         }
         if dirty.any(Attitude.mark().or(Setpoint.mark())) {
-            let wanted = self.attitude_law.rates(*self.attitude.get(), self.setpoint.get());
+            let wanted = self
+                .attitude_law
+                .rates(*self.attitude.get(), self.setpoint.get());
             dirty |= self.wanted.set(wanted, WantedRates.mark());
         }
         if dirty.any(Motion.mark().or(Rates.mark()).or(WantedRates.mark())) {
-            let torque = self.rate_law.step(
-                &mut self.rate_state,
-                *self.wanted.get(),
-                *self.rates.get(),
-                dt,
-                self.command.get().saturated,
-            );
+            let input = RateInput {
+                wanted: *self.wanted.get(),
+                measured: *self.rates.get(),
+                turned: motion.angle,
+                dt: motion.dt,
+                saturated: self.command.get().saturated,
+            };
+            let torque = self.rate_law.step(&mut self.rate_state, &input);
             dirty |= self.torque.set(torque, Torque.mark());
         }
         if dirty.any(Torque.mark().or(Setpoint.mark())) {
-            let mixed = self.mixer.mix(*self.torque.get(), self.setpoint.get().thrust);
+            let mixed = self
+                .mixer
+                .mix(*self.torque.get(), self.setpoint.get().thrust);
             dirty |= self.command.set(mixed, Node::Command.mark());
         }
         dirty
@@ -214,7 +214,11 @@ mod tests {
         let mut graph = settled();
         assert_eq!(visited(graph.propagate()), "");
 
-        graph.set_motion(Increment::default(), BodyRates(Vec3::new(0.1, 0.0, 0.0)), None);
+        graph.set_motion(
+            Increment::default(),
+            BodyRates(Vec3::new(0.1, 0.0, 0.0)),
+            None,
+        );
         assert_eq!(visited(graph.propagate()), "Rates Torque Command");
 
         graph.set_setpoint(Setpoint::level(Thrust::new(0.6).expect("in range")));

@@ -151,10 +151,7 @@ impl Quaternion {
     #[must_use]
     pub fn heading(self) -> f32 {
         let Vec3 { x, y, z } = self.v;
-        atan2(
-            2.0 * (self.w * z + x * y),
-            1.0 - 2.0 * (y * y + z * z),
-        )
+        atan2(2.0 * (self.w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     }
 
     /// The rotation vector (rad, body axes) that takes this attitude to `target`.

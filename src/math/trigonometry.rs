@@ -11,10 +11,11 @@ pub fn sin_cos(angle: f32) -> (f32, f32) {
     // Two-part pi/2 keeps the reduced angle exact.
     let reduced = (angle - quarter * 1.570_312_5) - quarter * 4.838_268e-4;
     let square = reduced * reduced;
-    let sin = reduced
-        * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0))));
+    let sin =
+        reduced * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0))));
     let cos = 1.0
-        - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0 - square * (1.0 / 40320.0))));
+        - square
+            * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0 - square * (1.0 / 40320.0))));
     match (quarter as i32) & 3 {
         0 => (sin, cos),
         1 => (cos, -sin),
@@ -50,8 +51,8 @@ fn atan_unit(ratio: f32) -> f32 {
         (0.0, ratio)
     };
     let square = z * z;
-    let series = 1.0
-        - square * (1.0 / 3.0 - square * (0.2 - square * (1.0 / 7.0 - square * (1.0 / 9.0))));
+    let series =
+        1.0 - square * (1.0 / 3.0 - square * (0.2 - square * (1.0 / 7.0 - square * (1.0 / 9.0))));
     offset + z * series
 }
 

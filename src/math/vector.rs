@@ -64,13 +64,13 @@ impl Vec3 {
         self.x.abs().max(self.y.abs()).max(self.z.abs())
     }
 
-    /// Each component limited to `-limit..=limit`.
+    /// Each component limited to plus or minus the same component of `limit`.
     #[must_use]
-    pub fn clamp(self, limit: f32) -> Self {
+    pub fn limited(self, limit: Self) -> Self {
         Self::new(
-            self.x.clamp(-limit, limit),
-            self.y.clamp(-limit, limit),
-            self.z.clamp(-limit, limit),
+            super::limited(self.x, limit.x),
+            super::limited(self.y, limit.y),
+            super::limited(self.z, limit.z),
         )
     }
 

@@ -45,7 +45,9 @@ mod tests {
     fn it_runs_as_often_as_configured_and_repeats_by_seed() {
         let draws = |seed| {
             let mut exploration = Exploration::new(seed);
-            (0..200_000).filter(|_| exploration.draw()).collect::<Vec<_>>()
+            (0..200_000)
+                .filter(|_| exploration.draw())
+                .collect::<Vec<_>>()
         };
         let share = draws(1).len() as f32 / 200_000.0;
         assert!((share / EXPLORATION_SHARE - 1.0).abs() < 0.15, "{share}");

@@ -134,7 +134,12 @@ mod tests {
                 sample: Vec3::new(rate, 0.0, 0.0),
                 command: [0.5 + 0.06 * rate; MOTORS],
             };
-            holds.take(at_micros(step * 1000), &newest, &rule(reference), &mut labels);
+            holds.take(
+                at_micros(step * 1000),
+                &newest,
+                &rule(reference),
+                &mut labels,
+            );
         }
         labels
     }

@@ -64,8 +64,9 @@ impl Phase {
             },
             (Self::WarmUp, PhaseEvent::Learned | PhaseEvent::TimedOutFitted)
             | (Self::Fallback(Unfit), PhaseEvent::Learned) => Self::Reactive,
-            (Self::WarmUp, PhaseEvent::TimedOutUnfit)
-            | (Self::Reactive, PhaseEvent::Unfit) => Self::Fallback(Unfit),
+            (Self::WarmUp, PhaseEvent::TimedOutUnfit) | (Self::Reactive, PhaseEvent::Unfit) => {
+                Self::Fallback(Unfit)
+            }
             (Self::WarmUp | Self::Reactive | Self::Fallback(Unfit), PhaseEvent::ImuLost) => {
                 Self::Fallback(ImuLost)
             }
@@ -198,7 +199,10 @@ mod tests {
         let just_before = at_micros(SHORTEST_WARM_UP.ticks() - 1);
         assert_eq!(supervisor.judge(true, true, just_before), None);
         let after = at_micros(SHORTEST_WARM_UP.ticks());
-        assert_eq!(supervisor.judge(true, true, after), Some(PhaseEvent::Learned));
+        assert_eq!(
+            supervisor.judge(true, true, after),
+            Some(PhaseEvent::Learned)
+        );
         assert_eq!(supervisor.judge(false, true, after), None);
         let longest = at_micros(LONGEST_WARM_UP.ticks());
         assert_eq!(

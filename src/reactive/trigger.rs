@@ -87,6 +87,12 @@ impl Trigger {
         self.fit
     }
 
+    /// The probability of a changed command above which this input calls for a run.
+    #[must_use]
+    pub fn p_run(&self) -> f32 {
+        self.p_run
+    }
+
     /// The model, where there is one.
     #[must_use]
     pub fn model(&self) -> Option<Logistic> {
@@ -146,7 +152,10 @@ mod tests {
     #[test]
     fn an_unfit_input_always_triggers_and_an_irrelevant_one_never() {
         let mut trigger = Trigger::new(Reference::LastRun, 0.6);
-        assert!(trigger.take(along_x(0.0)), "the first sample has no reference");
+        assert!(
+            trigger.take(along_x(0.0)),
+            "the first sample has no reference"
+        );
         assert!(trigger.take(along_x(1e-3)));
         trigger.set_fit(Fit::Irrelevant);
         assert!(!trigger.take(along_x(1e3)));

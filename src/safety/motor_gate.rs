@@ -66,8 +66,14 @@ mod tests {
         for arming in [Arming::Calibrating, Arming::Disarmed] {
             assert_eq!(gate.pass(arming, &[0.7; MOTORS]).share(), [0.0; MOTORS]);
         }
-        assert_eq!(gate.pass(Arming::Armed, &[0.7; MOTORS]).share(), [0.7; MOTORS]);
-        assert_eq!(gate.pass(Arming::Disarmed, &[0.7; MOTORS]).share(), [0.0; MOTORS]);
+        assert_eq!(
+            gate.pass(Arming::Armed, &[0.7; MOTORS]).share(),
+            [0.7; MOTORS]
+        );
+        assert_eq!(
+            gate.pass(Arming::Disarmed, &[0.7; MOTORS]).share(),
+            [0.0; MOTORS]
+        );
     }
 
     #[test]

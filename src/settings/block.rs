@@ -54,7 +54,10 @@ impl Settings {
             },
         ];
         let mut bytes = [0; BLOCK_LENGTH];
-        let mut writer = Writer { bytes: &mut bytes, at: 0 };
+        let mut writer = Writer {
+            bytes: &mut bytes,
+            at: 0,
+        };
         writer.put(MAGIC);
         writer.put(VERSION.to_le_bytes());
         writer.put((BLOCK_LENGTH as u16).to_le_bytes());
@@ -169,7 +172,10 @@ mod tests {
 
     #[test]
     fn an_absent_block_is_told_from_a_broken_one() {
-        assert_eq!(Settings::from_bytes(&[0; BLOCK_LENGTH]), Err(BlockError::Absent));
+        assert_eq!(
+            Settings::from_bytes(&[0; BLOCK_LENGTH]),
+            Err(BlockError::Absent)
+        );
         let mut bytes = Settings::default().to_bytes();
         bytes[20] ^= 1;
         assert_eq!(Settings::from_bytes(&bytes), Err(BlockError::Checksum));
@@ -177,7 +183,10 @@ mod tests {
 
     #[test]
     fn a_block_with_a_field_out_of_range_is_refused() {
-        let settings = Settings { p_run: 1.0, ..Settings::default() };
+        let settings = Settings {
+            p_run: 1.0,
+            ..Settings::default()
+        };
         assert_eq!(
             Settings::from_bytes(&settings.to_bytes()),
             Err(BlockError::Range(SettingsError::PRun))

@@ -38,7 +38,9 @@ impl Progress for Bar {
         self.finish();
         self.spoken = 0;
         if self.terminal {
-            self.bar = ProgressBar::new(PARTS).with_style(spinner()).with_message(name.to_owned());
+            self.bar = ProgressBar::new(PARTS)
+                .with_style(spinner())
+                .with_message(name.to_owned());
             self.bar.tick();
         } else {
             eprintln!("{name}");

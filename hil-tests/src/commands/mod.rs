@@ -112,14 +112,26 @@ mod tests {
             (&[][..], "requires a subcommand"),
             (&["fly-away"], "unrecognized subcommand 'fly-away'"),
             (&["replay", "--sped", "1"], "unexpected argument '--sped'"),
-            (&["replay", "--policy", "lazy"], "[possible values: reactive, periodic]"),
-            (&["replay", "--rate"], "a value is required for '--rate <HZ>'"),
-            (&["replay", "--seed", "1", "--seed", "2"], "cannot be used multiple times"),
+            (
+                &["replay", "--policy", "lazy"],
+                "[possible values: reactive, periodic]",
+            ),
+            (
+                &["replay", "--rate"],
+                "a value is required for '--rate <HZ>'",
+            ),
+            (
+                &["replay", "--seed", "1", "--seed", "2"],
+                "cannot be used multiple times",
+            ),
             (&["test", "more"], "unexpected argument 'more'"),
         ] {
             let line = refusal(arguments);
             assert!(line.starts_with("error: "), "{line:?}");
-            assert!(line.contains(expected), "{line:?} does not say {expected:?}");
+            assert!(
+                line.contains(expected),
+                "{line:?} does not say {expected:?}"
+            );
             assert_eq!(line.lines().count(), 1, "{line:?}");
         }
     }

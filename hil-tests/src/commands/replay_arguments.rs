@@ -4,9 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use reflex::config;
-use reflex::settings::{
-    MotorProtocol, Policy, Reference, Settings, SettingsError, WarmUp,
-};
+use reflex::settings::{MotorProtocol, Policy, Reference, Settings, SettingsError, WarmUp};
 use reflex::time::Duration;
 
 use super::quantities::{duration, number, share, warm_up};
@@ -126,10 +124,12 @@ impl ReplayArguments {
         let defaults = Settings::default();
         let settings = Settings {
             policy: self.policy()?,
-            reference: self.reference.map_or(defaults.reference, |name| match name {
-                ReferenceName::PreviousSample => Reference::PreviousSample,
-                ReferenceName::LastRun => Reference::LastRun,
-            }),
+            reference: self
+                .reference
+                .map_or(defaults.reference, |name| match name {
+                    ReferenceName::PreviousSample => Reference::PreviousSample,
+                    ReferenceName::LastRun => Reference::LastRun,
+                }),
             p_run: self.p_run.map_or(defaults.p_run, |p_run| p_run as f32),
             warm_up: self.warm_up.unwrap_or(defaults.warm_up),
             failsafe: self.failsafe.map_or(defaults.failsafe, duration),
@@ -190,11 +190,15 @@ impl ReplayArguments {
             return Ok(());
         };
         if length <= 0.0 {
-            return Err(Refusal::new(format!("--duration {length}: must be above 0 s")));
+            return Err(Refusal::new(format!(
+                "--duration {length}: must be above 0 s"
+            )));
         }
         let (warm_up, name) = match (settings.policy, settings.warm_up) {
             (Policy::Periodic(_), _) => return Ok(()),
-            (_, WarmUp::Automatic) => (config::SHORTEST_WARM_UP, "automatic warm-up lasts at least"),
+            (_, WarmUp::Automatic) => {
+                (config::SHORTEST_WARM_UP, "automatic warm-up lasts at least")
+            }
             (_, WarmUp::Fixed(warm_up)) => (warm_up, "warm-up lasts"),
         };
         if length <= seconds(warm_up) {

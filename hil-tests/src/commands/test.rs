@@ -20,7 +20,10 @@ const STEPS: [Step; 8] = [
     ("lints on the target", lints_on_target),
     ("tests of firmware, drivers and configuration", quick_tests),
     ("firmware and its budgets", budget::check),
-    ("tests of emulated board, flights and replays", emulated_tests),
+    (
+        "tests of emulated board, flights and replays",
+        emulated_tests,
+    ),
     ("documentation", documentation),
 ];
 
@@ -46,13 +49,15 @@ fn formatting(progress: &mut dyn Progress) -> Result<()> {
 /// One profile and one set of features with [`documentation`], so that the emulator is checked once.
 fn lints_on_host(progress: &mut dyn Progress) -> Result<()> {
     toolchain::ensure_component("clippy", "clippy", progress)?;
-    let line = "clippy --workspace --all-targets --profile hil --ignore-rust-version -- -D warnings";
+    let line =
+        "clippy --workspace --all-targets --profile hil --ignore-rust-version -- -D warnings";
     cargo(&words(line), progress)
 }
 
 fn lints_on_target(progress: &mut dyn Progress) -> Result<()> {
     toolchain::ensure_target(progress)?;
-    let line = format!("clippy -p reflex -p reflex-drivers --release --target {TARGET} -- -D warnings");
+    let line =
+        format!("clippy -p reflex -p reflex-drivers --release --target {TARGET} -- -D warnings");
     cargo(&words(&line), progress)
 }
 
@@ -69,15 +74,16 @@ fn emulated_tests(progress: &mut dyn Progress) -> Result<()> {
 /// The libraries for their users, and the application with its private parts.
 fn documentation(progress: &mut dyn Progress) -> Result<()> {
     let libraries = "doc --workspace --no-deps --profile hil --ignore-rust-version";
+    let mut command = toolchain::cargo();
+    command
+        .args(words(libraries))
+        .env("RUSTDOCFLAGS", "-D warnings");
+    toolchain::run(&mut command, progress)?;
     let application = format!(
-        "doc -p reflex --bin reflex --no-deps --document-private-items --release --target {TARGET}"
+        "rustdoc -p reflex --bin reflex --release --target {TARGET} -- --document-private-items \
+         -D warnings"
     );
-    for line in [libraries, &application] {
-        let mut command = toolchain::cargo();
-        command.args(words(line)).env("RUSTDOCFLAGS", "-D warnings");
-        toolchain::run(&mut command, progress)?;
-    }
-    Ok(())
+    cargo(&words(&application), progress)
 }
 
 fn cargo(arguments: &[&str], progress: &mut dyn Progress) -> Result<()> {

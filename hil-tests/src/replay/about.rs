@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use reflex::app::Fault;
+use reflex::app::{Call, ChipOrder, Fault};
 use reflex::reactive::{Fit, Phase};
-use reflex::sensors::Input;
+use reflex::sensors::{Cause, Input};
 use reflex::settings::{MotorProtocol, Policy, Reference, WarmUp};
 
 use super::alignment::{AlignedRun, Alignment};
 use super::bench::{SampleCount, TestBench, held};
+use super::latency;
 use super::observation::Observation;
 use super::story::Story;
 use crate::board::{Line, Outcome};
@@ -17,8 +18,7 @@ use crate::firmware::Firmware;
 use crate::flights::{self, Flight};
 use crate::replay_options::ReplayOptions;
 use crate::scoring::{
-    self, BoardTime, Cpu, Gap, LatencySample, ModelState, MotorDigest, Options, Sensor,
-    SetpointSource, latencies,
+    self, BoardTime, Cpu, Gap, ModelState, MotorDigest, Options, Sensor, SetpointSource, latencies,
 };
 
 /// Everything that the report is told from.
@@ -51,7 +51,8 @@ impl About<'_, '_> {
                 stack_bytes: self.outcome.stack.used.into(),
             },
             sensors: Input::ALL.map(|input| self.sensor(input)).into(),
-            latency_us: latencies(&self.story.flight, &self.latency_samples()),
+            latency_us: latencies(&self.story.flight, &latency::samples(&self.alignment.runs)),
+            latency_parts_us: latency::parts(self.observation, self.scored_runs()),
             cpu: self.cpu(),
             board: BoardTime {
                 virtual_s: self.outcome.ended_ns as f64 * 1e-9,
@@ -67,7 +68,7 @@ impl About<'_, '_> {
 
     fn options(&self) -> Options {
         let settings = &self.options.settings;
-        let seconds = |span: reflex::time::Duration| span.ticks() as f64 * 1e-6;
+        let seconds = |span: reflex::time::Duration| span.ticks() as f64 / 1e6;
         Options {
             rate_hz: match settings.policy {
                 Policy::Reactive => None,
@@ -89,7 +90,12 @@ impl About<'_, '_> {
                 MotorProtocol::Pwm => "pwm".into(),
             },
             rotate: format!("{} ({})", self.flight.rotation, self.flight.rotation_reason),
-            noise: if self.options.noise { "datasheet" } else { "none" }.into(),
+            noise: if self.options.noise {
+                "datasheet"
+            } else {
+                "none"
+            }
+            .into(),
             duration_s: self.options.duration_s,
         }
     }
@@ -118,12 +124,16 @@ impl About<'_, '_> {
 
     fn scored_runs(&self) -> impl Iterator<Item = &AlignedRun> {
         let from = self.scored_from_us();
-        self.alignment.runs.iter().filter(move |run| run.at_us > from)
+        self.alignment
+            .runs
+            .iter()
+            .filter(move |run| run.at_us > from)
     }
 
     fn sensor(&self, input: Input) -> Sensor {
         let from_ns = self.alignment.board_ns(self.scored_from_us());
-        let since = |edges: &[u64]| (edges.len() - edges.partition_point(|at| *at <= from_ns)) as u64;
+        let since =
+            |edges: &[u64]| (edges.len() - edges.partition_point(|at| *at <= from_ns)) as u64;
         let line = match input {
             Input::Gyro | Input::Accel => Line::ImuReady,
             Input::ChipAccel => Line::AccelThreshold,
@@ -164,9 +174,24 @@ impl About<'_, '_> {
                 Input::ChipAccel => accel_threshold(&held(&self.bench.accel)),
                 Input::ChipMag => mag_threshold(&held(&self.bench.mag)),
             },
+            chip_thresholds_set: self.count_calls(|call| match call {
+                Call::OrderDone(ChipOrder::AccelThreshold(_), Ok(())) => input == Input::ChipAccel,
+                Call::OrderDone(ChipOrder::MagThreshold(_), Ok(())) => input == Input::ChipMag,
+                _ => false,
+            }),
+            chip_crossings: self.count_calls(|call| match call {
+                Call::ChipAccel(_, Cause::Threshold) => input == Input::ChipAccel,
+                Call::ChipMag(_, Cause::Threshold) => input == Input::ChipMag,
+                _ => false,
+            }),
             b1: model.map(|model| short(model.b1)),
             b2: model.map(|model| short(model.b2)),
         }
+    }
+
+    fn count_calls(&self, of: impl Fn(&Call) -> bool) -> u64 {
+        let calls = self.observation.calls.iter();
+        calls.filter(|stamped| of(&stamped.call)).count() as u64
     }
 
     fn state(&self, fit: Fit, present: bool) -> ModelState {
@@ -180,35 +205,11 @@ impl About<'_, '_> {
         }
     }
 
-    /// From the interrupt of the newest gating sample to the write of the motors.
-    fn latency_samples(&self) -> Vec<LatencySample> {
-        self.alignment
-            .runs
-            .iter()
-            .filter_map(|run| {
-                Some(LatencySample {
-                    at_us: run.at_us,
-                    reason: run.ran.reason,
-                    micros: run.written_ns.checked_sub(run.interrupt_ns?)? as f64 * 1e-3,
-                })
-            })
-            .collect()
-    }
-
     fn cpu(&self) -> Cpu {
         let from_ns = self.alignment.board_ns(self.scored_from_us());
         let rate = self.outcome.load.instructions_per_second as f64 * 1e-9;
-        // A run is what lies between its handler's entry and its write; the core never sleeps
-        // in between.
-        let starts = &self.observation.run_starts;
-        let lengths: Vec<f64> = self
-            .scored_runs()
-            .filter_map(|run| {
-                let place = starts.partition_point(|start| *start <= run.written_ns);
-                let start = *starts.get(place.checked_sub(1)?)?;
-                Some((run.written_ns - start) as f64 * rate)
-            })
-            .filter(|instructions| *instructions < LONGEST_RUN)
+        let lengths: Vec<f64> = latency::run_lengths_ns(self.observation, self.scored_runs())
+            .map(|length_ns| length_ns as f64 * rate)
             .collect();
         let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
         Cpu {
@@ -221,7 +222,12 @@ impl About<'_, '_> {
     fn counters(&self) -> BTreeMap<String, u64> {
         let mut counters: BTreeMap<String, u64> = Fault::ALL
             .iter()
-            .map(|fault| (snake_case(&format!("{fault:?}")), self.story.mirror.faults(*fault).into()))
+            .map(|fault| {
+                (
+                    snake_case(&format!("{fault:?}")),
+                    self.story.mirror.faults(*fault).into(),
+                )
+            })
             .collect();
         let link = &self.outcome.link;
         counters.extend([
@@ -247,9 +253,6 @@ impl About<'_, '_> {
     }
 }
 
-/// Longer than this a write belongs to no hyperperiod's handler: the failsafe's has its own.
-const LONGEST_RUN: f64 = 50_000.0;
-
 /// A float as it was written, without the digits that its binary form adds.
 fn short(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
@@ -261,7 +264,8 @@ fn samples_since(counts: &[SampleCount], from_ns: u64, of: impl Fn(&SampleCount)
         return 0;
     };
     let place = counts.partition_point(|count| count.at_ns <= from_ns);
-    let (Some(after), before) = (counts.get(place), place.checked_sub(1).map(|i| &counts[i])) else {
+    let (Some(after), before) = (counts.get(place), place.checked_sub(1).map(|i| &counts[i]))
+    else {
         return 0;
     };
     let (before_ns, before) = before.map_or((0, 0), |count| (count.at_ns, of(count)));
@@ -276,11 +280,15 @@ fn accel_threshold(chip: &Accelerometer) -> Option<u32> {
     (chip.register(0x22) & I1_AOI1 != 0).then(|| u32::from(chip.register(0x32)))
 }
 
-/// The threshold in force on INT_MAG: INT_THS_REG_M where INT_CTRL_REG_M enables it.
+/// The threshold in force on INT_MAG: INT_THS_REG_M where CFG_REG_C_M routes its interrupt.
 fn mag_threshold(chip: &Magnetometer) -> Option<u32> {
-    const IEN: u8 = 0x01;
-    (chip.register(0x63) & IEN != 0)
-        .then(|| u32::from(u16::from_le_bytes([chip.register(0x65), chip.register(0x66)])))
+    const INT_MAG_PIN: u8 = 0x40;
+    (chip.register(0x62) & INT_MAG_PIN != 0).then(|| {
+        u32::from(u16::from_le_bytes([
+            chip.register(0x65),
+            chip.register(0x66),
+        ]))
+    })
 }
 
 fn snake_case(name: &str) -> String {

@@ -17,8 +17,10 @@ use crate::replay_options::ReplayOptions;
 /// Virtual time between two looks at the chips' sample counters.
 const STEP_NS: u64 = 20_000_000;
 
-/// Symbol of the handler in which control runs at the end of a hyperperiod.
-pub(super) const RUN_SYMBOL: &str = "CAN2_TX";
+/// Handlers on the way from the gyro's interrupt to the motors, in order.
+///
+/// The last one is pended by software; see the table at the head of the firmware's `main.rs`.
+pub(super) const HANDLERS: [&str; 3] = ["EXTI0", "DMA1_STREAM0", "CAN2_TX"];
 
 /// How many samples the dies of the LSM303AGR had produced at an instant.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +43,11 @@ pub(super) struct TestBench {
 
 impl TestBench {
     /// Builds the chips, boots the board and schedules the link's frames.
-    pub(super) fn new(flight: &Flight, options: &ReplayOptions, firmware: &Firmware) -> Result<Self> {
+    pub(super) fn new(
+        flight: &Flight,
+        options: &ReplayOptions,
+        firmware: &Firmware,
+    ) -> Result<Self> {
         let at_rest = Bench::default();
         let source: Arc<dyn StimulusSource> = Arc::new(FlightStimulus::new(flight, at_rest));
         let chip_options = ChipOptions {
@@ -54,7 +60,10 @@ impl TestBench {
             ..ChipOptions::default()
         };
         let imu = Mpu6050::new(Arc::clone(&source), chip_options);
-        let accel = Arc::new(Mutex::new(Accelerometer::new(Arc::clone(&source), chip_options)));
+        let accel = Arc::new(Mutex::new(Accelerometer::new(
+            Arc::clone(&source),
+            chip_options,
+        )));
         let mag = Arc::new(Mutex::new(Magnetometer::new(source, chip_options)));
         let sensors = Sensors {
             imu: Arc::new(Mutex::new(imu)),
@@ -64,7 +73,7 @@ impl TestBench {
         let elf = Arc::new(Elf::parse(firmware.bytes.clone())?);
         let board_options = Options {
             settings: Some(options.settings.to_bytes().to_vec()),
-            watches: vec![RUN_SYMBOL.into()],
+            watches: HANDLERS.map(String::from).to_vec(),
             ..Options::default()
         };
         let mut board = EmulatedBoard::boot(&elf, sensors, &board_options)?;
@@ -114,7 +123,10 @@ impl TestBench {
                 accel: held(&self.accel).samples(),
                 mag: held(&self.mag).samples(),
             });
-            progress.done(seconds(at_ns.saturating_sub(self.at_rest.length_ns())), total);
+            progress.done(
+                seconds(at_ns.saturating_sub(self.at_rest.length_ns())),
+                total,
+            );
         }
         Ok(())
     }

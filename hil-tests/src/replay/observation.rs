@@ -6,6 +6,7 @@ use std::io::{BufWriter, Write};
 use anyhow::{Context, Result, bail};
 use reflex::app::{DecodeError, Stamped};
 
+use super::bench::HANDLERS;
 use crate::board::{Edge, Hit, Line, LogLine, MotorWrite, Observer};
 
 /// Everything a replay keeps of its board.
@@ -13,8 +14,8 @@ pub(super) struct Observation {
     pub(super) motors: Vec<MotorWrite>,
     /// Rising edges of each line, in ns.
     pub(super) edges: [Vec<u64>; Line::ALL.len()],
-    /// When a run at the end of a hyperperiod began, in ns.
-    pub(super) run_starts: Vec<u64>,
+    /// When each of the watched handlers was entered, in ns.
+    pub(super) entries: [Vec<u64>; HANDLERS.len()],
     pub(super) calls: Vec<Stamped>,
     undecoded: Vec<u8>,
     broken: Option<String>,
@@ -30,7 +31,7 @@ impl Observation {
         Self {
             motors: Vec::new(),
             edges: Default::default(),
-            run_starts: Vec::new(),
+            entries: Default::default(),
             calls: Vec::new(),
             undecoded: Vec::new(),
             broken: None,
@@ -111,6 +112,6 @@ impl Observer for Observation {
     }
 
     fn hit(&mut self, hit: Hit) {
-        self.run_starts.push(hit.at_ns);
+        self.entries[hit.watch].push(hit.at_ns);
     }
 }

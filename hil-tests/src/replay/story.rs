@@ -9,7 +9,7 @@ use reflex::app::{Autopilot, Call, Next, Ran, Reason, Recorder, Stamped};
 use reflex::config::{ARMED_MINIMUM, HYPERPERIOD, MOTORS};
 use reflex::reactive::Phase;
 use reflex::settings::{Policy, Settings};
-use reflex::time::{Instant, micros};
+use reflex::time::Instant;
 
 use crate::scoring::{Command, Flight, Held, Rules, Run};
 
@@ -71,7 +71,7 @@ impl<'c> Story<'c> {
     }
 
     fn walk(&mut self) -> Result<()> {
-        let mut reference = Native::new(self.settings, HYPERPERIOD);
+        let mut reference = Native::new(self.settings);
         let mut open: Option<Open> = None;
         let mut by_timer = false;
         let mut phase = Phase::Ground;
@@ -79,7 +79,7 @@ impl<'c> Story<'c> {
             let at_us = stamped.at.ticks();
             stamped.call.replay(stamped.at, &mut self.mirror);
             phase = self.notice_phase(phase, at_us);
-            let ended = reference.take(stamped);
+            let ended = reference.take(stamped, true);
             match stamped.call {
                 Call::Imu(_) if ended => {
                     self.close(&mut open);
@@ -170,16 +170,26 @@ impl<'c> Story<'c> {
     }
 
     /// Periodic control at a rate on the same flight: what it held at each hyperperiod's end.
+    ///
+    /// Through the warm-up it runs at every gating sample, as the policy it is compared with
+    /// did: both enter the scored part with the same control state.
     pub(super) fn fly_periodic(&self, rate_hz: f64) -> Vec<Held> {
-        let period = micros((1e6 / rate_hz).round() as u64);
-        let mut periodic = Native::new(self.settings, period);
+        let mut native = Native::new(self.settings);
+        let warm_up_end = self.flight.warm_up_end_us().unwrap_or(u64::MAX);
+        let period_us = (1e6 / rate_hz).min(self.settings.failsafe.ticks() as f64);
+        let mut due_us = warm_up_end as f64 + period_us;
         let mut held = Vec::with_capacity(self.ends.len());
         let mut ends = self.ends.iter().peekable();
         for (place, stamped) in self.calls.iter().enumerate() {
-            let ran = periodic.take(stamped);
+            let at_us = stamped.at.ticks();
+            let due = at_us <= warm_up_end || at_us as f64 >= due_us;
+            let ran = native.take(stamped, due);
+            if ran && at_us > warm_up_end {
+                due_us = (due_us + period_us).max(at_us as f64);
+            }
             if ends.next_if_eq(&&place).is_some() {
                 held.push(Held {
-                    command: periodic.command,
+                    command: native.command,
                     runs: u32::from(ran),
                 });
             }
@@ -188,16 +198,16 @@ impl<'c> Story<'c> {
     }
 }
 
-/// An autopilot on the host that is given the flight's inputs and runs at a period.
+/// An autopilot on the host that is given the flight's inputs and run when it is told.
 struct Native {
     autopilot: Autopilot<()>,
     command: Command,
 }
 
 impl Native {
-    fn new(settings: Settings, period: reflex::time::Duration) -> Self {
+    fn new(settings: Settings) -> Self {
         let settings = Settings {
-            policy: Policy::Periodic(period),
+            policy: Policy::Periodic(HYPERPERIOD),
             ..settings
         };
         Self {
@@ -206,20 +216,17 @@ impl Native {
         }
     }
 
-    /// Takes an input of the flight; true where it ran.
-    fn take(&mut self, stamped: &Stamped) -> bool {
+    /// Takes an input of the flight and runs where a hyperperiod ends and it is `due`; true
+    /// where it ran.
+    fn take(&mut self, stamped: &Stamped, due: bool) -> bool {
         match &stamped.call {
             Call::Imu(burst) => {
-                if self.autopilot.on_imu(stamped.at, burst) != Next::Hyperperiod {
-                    return false;
-                }
-                match self.autopilot.on_hyperperiod(stamped.at) {
-                    Some(output) => {
-                        self.command = output.share();
-                        true
-                    }
-                    None => false,
-                }
+                let ended = self.autopilot.on_imu(stamped.at, burst) == Next::Hyperperiod;
+                let output = (ended && due)
+                    .then(|| self.autopilot.on_hyperperiod(stamped.at))
+                    .flatten();
+                self.command = output.map_or(self.command, |output| output.share());
+                output.is_some()
             }
             Call::ChipAccel(..) | Call::ChipMag(..) | Call::Message(_) => {
                 stamped.call.replay(stamped.at, &mut self.autopilot);

@@ -34,7 +34,8 @@ pub use oracle::{Oracle, OracleEqual};
 pub use periodic::{Held, PeriodicEqual};
 pub use reason::ByReason;
 pub use report::{
-    About, BoardTime, Cpu, Firmware, Gap, ModelState, Options, Report, Sensor, SetpointSource,
+    About, BoardTime, Cpu, Firmware, Gap, LatencyPart, ModelState, Options, Report, Sensor,
+    SetpointSource,
 };
 pub use rules::{MOST_SATURATED, Rules};
 pub use section::{Actuators, Control, Decisions, Section, WINDOW_US, Window};

@@ -38,6 +38,8 @@ pub struct About {
     pub sensors: Vec<Sensor>,
     /// Interrupt to motor register, by reason, after warm-up; null for a reason without a run.
     pub latency_us: ByReason<Option<Quantiles>>,
+    /// What the latency of the runs that the gyro asked for is made of, in order.
+    pub latency_parts_us: Vec<LatencyPart>,
     /// Load of the processor after warm-up.
     pub cpu: Cpu,
     /// Times of the emulated board and of the replay.
@@ -163,12 +165,25 @@ pub struct Sensor {
     pub threshold: Option<f64>,
     /// Unit of the threshold: `rad/s`, `m/s2` or `gauss`.
     pub unit: String,
-    /// Threshold code in the chip's register as read back; null where the chip cannot compare.
+    /// Threshold code in the chip's registers at the end; null where the chip does not compare.
     pub chip_threshold: Option<u32>,
+    /// Thresholds that the chip took and that were read back, in the whole replay.
+    pub chip_thresholds_set: u64,
+    /// Samples that the chip's own comparison announced.
+    pub chip_crossings: u64,
     /// The model's `b1`; null without a model.
     pub b1: Option<f64>,
     /// The model's `b2`, per unit; null without a model.
     pub b2: Option<f64>,
+}
+
+/// One part of the way from the gyro's interrupt to the motor registers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LatencyPart {
+    /// What happens in it.
+    pub part: String,
+    /// How long it took, in microseconds; null without a run.
+    pub micros: Option<Quantiles>,
 }
 
 /// Load of the processor after warm-up.

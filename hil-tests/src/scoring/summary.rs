@@ -2,7 +2,7 @@
 
 use super::Score;
 use super::deviation::rate;
-use super::report::{About, Report, Sensor};
+use super::report::{About, LatencyPart, Report, Sensor};
 use super::rules::MOST_SATURATED;
 use super::section::Window;
 use super::table::Table;
@@ -17,6 +17,7 @@ pub fn summary(report: &Report) -> String {
         flown(about, score),
         sensors(&about.sensors),
         runs(about, score),
+        latency_parts(&about.latency_parts_us),
         decisions(score),
         commands(about, score),
         windows(&score.windows),
@@ -134,6 +135,22 @@ fn runs(about: &About, score: &Score) -> String {
             control.runs - explored,
             control.rate_hz,
         );
+    }
+    table.to_string()
+}
+
+fn latency_parts(parts: &[LatencyPart]) -> String {
+    if parts.iter().all(|part| part.micros.is_none()) {
+        return String::new();
+    }
+    let mut table = Table::new(["runs that the gyro asked for", "p50 us", "p99 us", "max us"]);
+    for part in parts {
+        table.row([
+            part.part.clone(),
+            number(part.micros.map(|micros| micros.p50), 1),
+            number(part.micros.map(|micros| micros.p99), 1),
+            number(part.micros.map(|micros| micros.max), 1),
+        ]);
     }
     table.to_string()
 }

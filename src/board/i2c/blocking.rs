@@ -65,12 +65,14 @@ impl Bus {
     fn run(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), BusError> {
         self.until_free()?;
         let count = operations.len();
+        let mut started = false;
         for (place, operation) in operations.iter_mut().enumerate() {
             let last = place + 1 == count;
             match operation {
-                Operation::Write(bytes) => self.write_segment(address, bytes, last)?,
-                Operation::Read(bytes) => self.read_segment(address, bytes, last)?,
+                Operation::Write(bytes) => self.write_segment(address, bytes, started, last)?,
+                Operation::Read(bytes) => self.read_segment(address, bytes, started, last)?,
             }
+            started = !last && matches!(operation, Operation::Read(_));
         }
         Ok(())
     }
@@ -106,17 +108,28 @@ impl Bus {
     }
 
     /// START and the address byte, up to the flag that stretches the clock until it is cleared.
-    fn address(&mut self, byte: u8) -> Result<(), BusError> {
-        self.i2c
-            .cr1()
-            .write(|w| w.pe().set_bit().ack().set_bit().start().set_bit());
+    ///
+    /// `started`: the segment before, a read, has requested the START already.
+    fn address(&mut self, byte: u8, started: bool) -> Result<(), BusError> {
+        if !started {
+            self.i2c
+                .cr1()
+                .write(|w| w.pe().set_bit().ack().set_bit().start().set_bit());
+        }
         self.until(|status| status.sb().bit_is_set())?;
+        self.i2c.cr1().write(|w| w.pe().set_bit().ack().set_bit());
         self.i2c.dr().write(|w| w.dr().set(byte));
         self.until(|status| status.addr().bit_is_set())
     }
 
-    fn write_segment(&mut self, address: u8, bytes: &[u8], last: bool) -> Result<(), BusError> {
-        self.address(address << 1)?;
+    fn write_segment(
+        &mut self,
+        address: u8,
+        bytes: &[u8],
+        started: bool,
+        last: bool,
+    ) -> Result<(), BusError> {
+        self.address(address << 1, started)?;
         self.i2c.sr2().read();
         for byte in bytes {
             self.until(|status| status.tx_e().bit_is_set())?;
@@ -131,8 +144,14 @@ impl Bus {
         Ok(())
     }
 
-    fn read_segment(&mut self, address: u8, bytes: &mut [u8], last: bool) -> Result<(), BusError> {
-        self.address(address << 1 | 1)?;
+    fn read_segment(
+        &mut self,
+        address: u8,
+        bytes: &mut [u8],
+        started: bool,
+        last: bool,
+    ) -> Result<(), BusError> {
+        self.address(address << 1 | 1, started)?;
         match bytes {
             [] => {
                 self.i2c.sr2().read();

@@ -1,4 +1,4 @@
-//! Bursts of the MPU6050 without a waiting instruction: interrupts and DMA move every byte.
+//! Bursts of the MPU6050 moved by interrupts and DMA: no instruction waits.
 //!
 //! One transaction is START, address, register, repeated START, address, data by DMA, STOP: five
 //! event interrupts of some 40 instructions and one at the end of the DMA. A transaction still

@@ -1,8 +1,8 @@
 //! Start-up, heartbeats and repair of the LSM303AGR.
 //!
-//! A half that fails its heartbeat, or whose samples stop coming, is set up again at the next
-//! one, as it was programmed last. A half that is not there at all is only asked for its name,
-//! so that the other one is left in peace.
+//! A half that fails an order, or whose samples stop coming, is set up again at the next one, as
+//! it was programmed last. A half that is not there at all is only asked for its name, so that
+//! the other one is left in peace.
 
 use embedded_hal::delay::DelayNs;
 use lsm303agr::{AccelOutputDataRate, AccelScale, Lsm303agr, MagMode, MagOutputDataRate};
@@ -15,7 +15,7 @@ use reflex_drivers::lsm303agr::{
     MagInterrupt, MagPin, MagThreshold, Magnetometer, ThreeWire, ThresholdDuration,
 };
 
-use super::{Chips, Routing, Sample, SpiError, failure};
+use super::{Chips, Half, Routing, Sample, SpiError, failure};
 
 /// What the crate is told to set, checked against the chip.
 const OUTPUT: AccelOutput = AccelOutput {
@@ -58,16 +58,24 @@ impl DelayNs for NoWait {
 }
 
 impl Chips {
+    /// Sets a half up again whose last order failed.
+    pub(super) fn revive_lost(&mut self, half: Half) -> Result<(), OrderError> {
+        match half {
+            Half::Accel if !self.accel_state.answers => self.revive_accel(),
+            Half::Mag if !self.mag_state.answers => self.revive_mag(),
+            _ => Ok(()),
+        }
+    }
+
     /// Checks the accelerometer and reads it: also lets a pin fall whose edge was missed, since
     /// a latch that is not cleared stays silent.
     pub(super) fn accel_heartbeat(&mut self) -> Result<Sample, OrderError> {
-        if self.accel_state.is_lost() {
+        if self.accel_state.is_silent() {
             self.revive_accel()?;
         }
         self.accel_state.heard = false;
-        let checked = self.check_accel().map_err(failure);
-        self.accel_state.answers = checked.is_ok();
-        let sample = checked.and_then(|()| self.fetch_accel())?;
+        self.check_accel().map_err(failure)?;
+        let sample = self.fetch_accel()?;
         Ok(Sample {
             cause: Cause::Heartbeat,
             ..sample
@@ -76,13 +84,12 @@ impl Chips {
 
     /// As [`Self::accel_heartbeat`].
     pub(super) fn mag_heartbeat(&mut self) -> Result<Sample, OrderError> {
-        if self.mag_state.is_lost() {
+        if self.mag_state.is_silent() {
             self.revive_mag()?;
         }
         self.mag_state.heard = false;
-        let checked = self.check_mag().map_err(failure);
-        self.mag_state.answers = checked.is_ok();
-        let sample = checked.and_then(|()| self.fetch_mag())?;
+        self.check_mag().map_err(failure)?;
+        let sample = self.fetch_mag()?;
         Ok(Sample {
             cause: Cause::Heartbeat,
             ..sample
@@ -114,8 +121,10 @@ impl Chips {
         let mut chip = Accelerometer::new(&mut self.accel);
         chip.check_identity().map_err(failure)?;
         self.set_up()?;
-        // The crate's writes took the other half's pin away as well.
-        self.restore_accel().and(self.restore_mag())
+        // The crate's writes took the other half's pin away as well; should it not come back, its
+        // own heartbeat notices.
+        let _ = self.restore_mag();
+        self.restore_accel()
     }
 
     /// Sets the magnetometer up, should it be there.
@@ -123,7 +132,8 @@ impl Chips {
         let mut chip = Magnetometer::new(&mut self.mag);
         chip.check_identity().map_err(failure)?;
         self.set_up()?;
-        self.restore_accel().and(self.restore_mag())
+        let _ = self.restore_accel();
+        self.restore_mag()
     }
 
     /// Rate, range and mode of both halves by the crate, which holds both at once.
@@ -148,7 +158,7 @@ impl Chips {
         let wanted = self.accel_state.routing;
         self.accel_state.routing = Routing::DataReady;
         let result = self.route_accel(wanted);
-        // Not to be forgotten where it failed: the next heartbeat tries again.
+        // Not to be forgotten where it failed: the next order tries again.
         self.accel_state.routing = wanted;
         self.accel_state.answers = result.is_ok();
         result

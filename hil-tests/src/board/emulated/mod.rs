@@ -139,7 +139,9 @@ impl EmulatedBoard {
             (FaultKind::HardFault { detail: None }, Some(text)) => {
                 match text.strip_prefix("panicked at ") {
                     Some(message) => FaultKind::Panic(message.replace('\n', " ")),
-                    None => FaultKind::HardFault { detail: Some(text) },
+                    None => FaultKind::HardFault {
+                        detail: Some(format!("its log last said: {text}")),
+                    },
                 }
             }
             (kind, _) => kind,

@@ -12,11 +12,60 @@ struct Only {
     arguments: ReplayArguments,
 }
 
+/// arguments | what is said
+const SENSELESS: &str = "
+--rate 100 | --rate 100: only periodic control has a rate
+--policy reactive --rate 100 | add --policy periodic
+--policy periodic --reference last-run | --reference: periodic control has none
+--policy periodic --p-run 0.5 | --p-run: periodic control has none
+--policy periodic --warm-up auto | --warm-up: periodic control has none
+--policy periodic --rate 0 | --rate 0: must be 1 to 1000 Hz
+--policy periodic --rate -5 | --rate -5: must be 1 to 1000 Hz
+--policy periodic --rate 1000.5 | must be 1 to 1000 Hz
+--policy periodic --rate inf | must be a finite number
+--policy periodic --rate nan | must be a finite number
+--policy periodic --rate 5 | rarer than the failsafe's
+--p-run 0 | --p-run: p_run must lie between 0 and 1
+--p-run 1 | --p-run:
+--p-run -0.1 | --p-run:
+--p-run 0.999999999999 | --p-run:
+--p-run NaN | must be a finite number
+--warm-up -1 | must be `auto` or a time in s
+--warm-up 31 | --warm-up: a fixed warm-up must not be longer than 30 s
+--warm-up 1e300 | --warm-up:
+--failsafe 0.001 | --failsafe: failsafe must be longer than
+--failsafe 0.002 | --failsafe:
+--failsafe 1.5 | --failsafe:
+--failsafe -1 | --failsafe:
+--quantum 0 | --quantum: quantum must be
+--quantum=-1/255 | --quantum:
+--quantum 0.6 | --quantum:
+--quantum 1/0 | must be a finite number
+--duration 0 | --duration 0: must be above 0 s
+--duration -3 | --duration -3: must be above 0 s
+--duration inf | must be a finite number
+--duration 3 | nothing would be left to measure, the automatic warm-up lasts at least 3 s
+--duration 5 --warm-up 5 | nothing would be left to measure, the warm-up lasts 5 s
+--rotate sideways | unknown rotation 'sideways'
+--noise loud | [possible values: none, datasheet]
+--motors dshot | [possible values: oneshot125, pwm]
+--reference first | [possible values: previous-sample, last-run]
+--seed -1 | -1 is not in 0..=4294967295
+--seed 4294967296 | 4294967296 is not in 0..=4294967295
+a.csv b.csv | a.csv and b.csv: one log at a time
+--defmt src | --defmt src: is a folder
+--defmt - | --defmt -: must be the name of a file
+--defmt nowhere/out.log | --defmt nowhere/out.log: its folder does not exist
+Cargo.toml --defmt ./src/../Cargo.toml | is the recorded flight itself
+";
+
 /// The options of an argument line, or its error, from clap or from us.
 fn parse(line: &str) -> Result<ReplayOptions, String> {
     let words = ["replay"].into_iter().chain(line.split_whitespace());
     let only = Only::try_parse_from(words).map_err(|error| error.to_string())?;
-    only.arguments.options().map_err(|refusal| refusal.to_string())
+    only.arguments
+        .options()
+        .map_err(|refusal| refusal.to_string())
 }
 
 #[test]
@@ -56,61 +105,33 @@ fn every_option_arrives() {
 #[test]
 fn periodic_control_has_the_configured_rate_or_its_own() {
     let policy = |line| parse(line).unwrap().settings.policy;
-    assert_eq!(policy("--policy periodic"), Policy::Periodic(config::PERIODIC_PERIOD));
-    assert_eq!(policy("--policy periodic --rate 1000"), Policy::Periodic(micros(1000)));
-    assert_eq!(policy("--policy periodic --rate 2 --failsafe 1"), Policy::Periodic(micros(500_000)));
-    assert_eq!(policy("--policy periodic --duration 1"), Policy::Periodic(config::PERIODIC_PERIOD));
+    assert_eq!(
+        policy("--policy periodic"),
+        Policy::Periodic(config::PERIODIC_PERIOD)
+    );
+    assert_eq!(
+        policy("--policy periodic --rate 1000"),
+        Policy::Periodic(micros(1000))
+    );
+    assert_eq!(
+        policy("--policy periodic --rate 2 --failsafe 1"),
+        Policy::Periodic(micros(500_000))
+    );
+    assert_eq!(
+        policy("--policy periodic --duration 1"),
+        Policy::Periodic(config::PERIODIC_PERIOD)
+    );
 }
 
 #[test]
 fn every_senseless_argument_is_refused_with_its_range() {
-    for (line, expected) in [
-        ("--rate 100", "--rate 100: only periodic control has a rate"),
-        ("--policy reactive --rate 100", "add --policy periodic"),
-        ("--policy periodic --reference last-run", "--reference: periodic control has none"),
-        ("--policy periodic --p-run 0.5", "--p-run: periodic control has none"),
-        ("--policy periodic --warm-up auto", "--warm-up: periodic control has none"),
-        ("--policy periodic --rate 0", "--rate 0: must be 1 to 1000 Hz"),
-        ("--policy periodic --rate -5", "--rate -5: must be 1 to 1000 Hz"),
-        ("--policy periodic --rate 1000.5", "must be 1 to 1000 Hz"),
-        ("--policy periodic --rate inf", "must be a finite number"),
-        ("--policy periodic --rate nan", "must be a finite number"),
-        ("--policy periodic --rate 5", "rarer than the failsafe's"),
-        ("--p-run 0", "--p-run: p_run must lie between 0 and 1"),
-        ("--p-run 1", "--p-run: "),
-        ("--p-run -0.1", "--p-run: "),
-        ("--p-run 0.999999999999", "--p-run: "),
-        ("--p-run NaN", "must be a finite number"),
-        ("--warm-up -1", "must be `auto` or a time in s"),
-        ("--warm-up 31", "--warm-up: a fixed warm-up must not be longer than 30 s"),
-        ("--warm-up 1e300", "--warm-up: "),
-        ("--failsafe 0.001", "--failsafe: failsafe must be longer than"),
-        ("--failsafe 0.002", "--failsafe: "),
-        ("--failsafe 1.5", "--failsafe: "),
-        ("--failsafe -1", "--failsafe: "),
-        ("--quantum 0", "--quantum: quantum must be"),
-        ("--quantum=-1/255", "--quantum: "),
-        ("--quantum 0.6", "--quantum: "),
-        ("--quantum 1/0", "must be a finite number"),
-        ("--duration 0", "--duration 0: must be above 0 s"),
-        ("--duration -3", "--duration -3: must be above 0 s"),
-        ("--duration inf", "must be a finite number"),
-        ("--duration 3", "nothing would be left to measure, the automatic warm-up lasts at least 3 s"),
-        ("--duration 5 --warm-up 5", "nothing would be left to measure, the warm-up lasts 5 s"),
-        ("--rotate sideways", "unknown rotation 'sideways'"),
-        ("--noise loud", "[possible values: none, datasheet]"),
-        ("--motors dshot", "[possible values: oneshot125, pwm]"),
-        ("--reference first", "[possible values: previous-sample, last-run]"),
-        ("--seed -1", "-1 is not in 0..=4294967295"),
-        ("--seed 4294967296", "4294967296 is not in 0..=4294967295"),
-        ("a.csv b.csv", "a.csv and b.csv: one log at a time"),
-        ("--defmt src", "--defmt src: is a folder"),
-        ("--defmt -", "--defmt -: must be the name of a file"),
-        ("--defmt nowhere/out.log", "--defmt nowhere/out.log: its folder does not exist"),
-        ("Cargo.toml --defmt ./src/../Cargo.toml", "is the recorded flight itself"),
-    ] {
+    for row in SENSELESS.trim().lines() {
+        let (line, expected) = row.split_once(" | ").unwrap();
         let error = parse(line).expect_err(line);
-        assert!(error.contains(expected), "{line}: {error:?} does not say {expected:?}");
+        assert!(
+            error.contains(expected),
+            "{line}: {error:?} does not say {expected:?}"
+        );
     }
 }
 

@@ -67,8 +67,14 @@ mod tests {
     fn a_budget_may_be_used_up_but_not_passed() {
         assert!(compared(1000, 60, 40).is_ok());
         let error = compared(1001, 60, 40).unwrap_err().to_string();
-        assert_eq!(error, "the firmware takes 1001 bytes of flash, the budget is 1000");
+        assert_eq!(
+            error,
+            "the firmware takes 1001 bytes of flash, the budget is 1000"
+        );
         let error = compared(1000, 60, 41).unwrap_err().to_string();
-        assert!(error.contains("101 bytes of RAM (60 and 41 of stack)"), "{error}");
+        assert!(
+            error.contains("101 bytes of RAM (60 and 41 of stack)"),
+            "{error}"
+        );
     }
 }

@@ -1,30 +1,13 @@
 //! Real flights, where they are at hand.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::chips::stimulus::StimulusSource;
 use crate::flights::{
     Bench, Flight, FlightStimulus, Rotate, Rotation, SetpointSource, Setpoints, sample_flight,
     schedule,
 };
-
-/// Where recorded flights are looked for, from this package's folder.
-const RECORDINGS: &str = "../../shared/streams";
-
-/// A recorded flight, or `None`, with a message, where it is not at hand.
-fn recording(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join(RECORDINGS)
-        .join(name);
-    if path.is_file() {
-        return Some(path);
-    }
-    eprintln!(
-        "skipped: the recorded flight {} is not at hand",
-        path.display()
-    );
-    None
-}
+use crate::recordings::recording;
 
 fn read(path: &Path) -> Flight {
     Flight::read(path, Rotate::Auto).unwrap_or_else(|error| panic!("{error}"))

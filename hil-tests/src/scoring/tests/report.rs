@@ -1,7 +1,7 @@
 //! The report's spelling, its numbers for one short flight, and its nulls.
 
 use super::super::report::*;
-use super::super::{LatencySample, Report, latencies};
+use super::super::{LatencySample, Quantiles, Report, latencies};
 use super::*;
 use serde_json::{Value, json};
 
@@ -44,6 +44,8 @@ fn sensor(name: &str, state: ModelState) -> Sensor {
         threshold: fitted.then_some(0.0421),
         unit: "rad/s".to_owned(),
         chip_threshold: None,
+        chip_thresholds_set: 0,
+        chip_crossings: 0,
         b1: fitted.then_some(-3.21),
         b2: fitted.then_some(86.1),
     }
@@ -91,6 +93,10 @@ pub(super) fn about(flight: &Flight) -> About {
             sensor("lsm303agr_mag", ModelState::Absent),
         ],
         latency_us: latencies(flight, &samples),
+        latency_parts_us: vec![LatencyPart {
+            part: "burst".to_owned(),
+            micros: Quantiles::of([405.0, 406.0]),
+        }],
         cpu: Cpu {
             busy_fraction: Some(0.1214),
             instructions_per_run: Some(4711.4),

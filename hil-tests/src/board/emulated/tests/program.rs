@@ -20,12 +20,21 @@ const RTT: u32 = 0x2000_4000;
 /// `b .`, and a `nop` behind it.
 const SPIN: [u16; 2] = [0xE7FE, 0xBF00];
 
+/// `wfi`, and back to it; or an undefined instruction.
+pub(super) const SLEEP: [u16; 2] = [0xBF30, 0xE7FD];
+pub(super) const CRASH: [u16; 2] = [0xDE00, 0xBF00];
+
 /// A program that makes `writes` (address, value) in order, then sleeps.
 pub(super) fn writing(writes: &[(u32, u32)]) -> Elf {
+    writing_then(writes, SLEEP)
+}
+
+/// A program that makes `writes` (address, value) in order, then does `end`.
+pub(super) fn writing_then(writes: &[(u32, u32)], end: [u16; 2]) -> Elf {
     // ldr r0, =table; loop: ldmia r0!, {r1, r2}; cbz r1, end; str r2, [r1];
-    // b loop; end: wfi; b end
+    // b loop; end:
     let code = [
-        0x4803, 0xC806, 0xB109, 0x600A, 0xE7FB, 0xBF30, 0xE7FD, 0xBF00,
+        0x4803, 0xC806, 0xB109, 0x600A, 0xE7FB, end[0], end[1], 0xBF00,
     ];
     let table = CODE + 2 * code.len() as u32 + 4;
     let mut words = vec![table];
@@ -33,6 +42,22 @@ pub(super) fn writing(writes: &[(u32, u32)]) -> Elf {
     words.extend([0, 0]);
     assembled(&code, &words)
 }
+
+/// Writes that put `frame` into the log, as defmt over RTT would.
+pub(super) fn logging(frame: u32) -> [(u32, u32); 4] {
+    const BUFFER: u32 = RTT + 0x100;
+    // Descriptor of channel 0: name, buffer, size, write and read offset.
+    [
+        (BUFFER, frame),
+        (RTT + 28, BUFFER),
+        (RTT + 32, 64),
+        (RTT + 36, 3),
+    ]
+}
+
+/// Log frames of three bytes: string number, control byte, end.
+pub(super) const HELLO: u32 = 0x00_7E_01;
+pub(super) const PANICKED: u32 = 0x00_7E_02;
 
 /// A program of `code`, an even number of half-words, followed by `words`.
 pub(super) fn assembled(code: &[u16], words: &[u32]) -> Elf {
@@ -47,15 +72,29 @@ pub(super) fn assembled(code: &[u16], words: &[u32]) -> Elf {
     Elf::parse(linked(&image)).unwrap()
 }
 
-const SYMBOLS: [(&str, u32); 8] = [
-    ("_stack_start", STACK.end),
-    ("_stack_end", STACK.start),
-    ("REFLEX_CALLS", CALLS),
-    ("REFLEX_SETTINGS", SETTINGS),
-    ("_SEGGER_RTT", RTT),
-    ("HardFault", HANDLER | 1),
-    ("_defmt_version_ = 4", 0),
-    ("_defmt_encoding_ = rzcobs", 0),
+/// Section index of values that belong to no section, and of `.defmt`.
+const ABSOLUTE: u16 = 0xFFF1;
+const STRINGS: u16 = 2;
+
+const SYMBOLS: [(&str, u32, u16); 10] = [
+    ("_stack_start", STACK.end, ABSOLUTE),
+    ("_stack_end", STACK.start, ABSOLUTE),
+    ("REFLEX_CALLS", CALLS, ABSOLUTE),
+    ("REFLEX_SETTINGS", SETTINGS, ABSOLUTE),
+    ("_SEGGER_RTT", RTT, ABSOLUTE),
+    ("HardFault", HANDLER | 1, ABSOLUTE),
+    ("_defmt_version_ = 4", 0, ABSOLUTE),
+    ("_defmt_encoding_ = rzcobs", 0, ABSOLUTE),
+    (
+        r#"{"package":"t","tag":"defmt_info","data":"hello","disambiguator":"1","crate_name":"t"}"#,
+        1,
+        STRINGS,
+    ),
+    (
+        r#"{"package":"t","tag":"defmt_error","data":"panicked at x.rs:1:\nsorry","disambiguator":"2","crate_name":"t"}"#,
+        2,
+        STRINGS,
+    ),
 ];
 
 /// Section types, flags and ELF constants used below.
@@ -76,11 +115,12 @@ fn linked(image: &[u8]) -> Vec<u8> {
     };
     let mut strings = vec![0_u8];
     let mut symbols = vec![0_u8; 16];
-    for (name, value) in SYMBOLS {
+    for (name, value, section) in SYMBOLS {
         let at: Vec<u8> = words(&[strings.len() as u32, value, 0]);
         symbols.extend(at);
-        // Global, no type; default visibility; an absolute section index.
-        symbols.extend([0x10, 0, 0xF1, 0xFF]);
+        // Global, no type; default visibility.
+        symbols.extend([0x10, 0]);
+        symbols.extend(section.to_le_bytes());
         strings.extend(name.bytes().chain([0]));
     }
     let names = b"\0.text\0.defmt\0.symtab\0.strtab\0";

@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
-use super::program::{CALLS, SETTINGS, STACK, assembled, writing};
+use super::program::{
+    CALLS, CRASH, HELLO, PANICKED, SETTINGS, STACK, assembled, logging, writing, writing_then,
+};
 use super::{Pulse, sensors};
 use crate::board::emulated::EmulatedBoard;
 use crate::board::{
-    Board, Edge, Elf, Fault, FaultKind, Hit, Line, MotorWrite, Observer, Options, Outcome,
+    Board, Edge, Elf, Fault, FaultKind, Hit, Line, LogLine, MotorWrite, Observer, Options, Outcome,
 };
 
 /// Everything a run told.
@@ -16,6 +18,7 @@ struct Told {
     edges: Vec<Edge>,
     calls: Vec<(u64, Vec<u8>)>,
     hits: Vec<Hit>,
+    log: Vec<String>,
     progress: u64,
 }
 
@@ -31,6 +34,9 @@ impl Observer for Told {
     }
     fn hit(&mut self, hit: Hit) {
         self.hits.push(hit);
+    }
+    fn log(&mut self, line: &LogLine) {
+        self.log.push(line.to_string());
     }
     fn progress(&mut self, at_ns: u64, _instructions: u64) {
         self.progress = at_ns;
@@ -114,6 +120,37 @@ fn pins_and_motors_are_reported_at_their_instants_and_again_the_same() {
     assert_eq!(told.motors[0].pulse_ns[0], 10_000, "160 ticks of 16 MHz");
     assert_eq!(told.motors[0].driven, 1);
     assert_eq!(observed(), told);
+}
+
+#[test]
+fn the_log_is_decoded_with_the_strings_of_the_firmware() {
+    let (told, outcome) = run(writing(&logging(HELLO)), &Options::default(), MILLISECOND);
+    assert_eq!(told.log, ["info  hello"]);
+    assert_eq!(outcome.unwrap().damaged_log_frames, 0);
+}
+
+#[test]
+fn a_damaged_log_frame_is_counted_and_passed_over() {
+    let damaged = writing(&logging(0x00_7E_7F));
+    let (told, outcome) = run(damaged, &Options::default(), MILLISECOND);
+    assert_eq!(told.log, [] as [String; 0]);
+    assert_eq!(outcome.unwrap().damaged_log_frames, 1);
+}
+
+#[test]
+fn a_crash_after_a_panic_is_that_panic() {
+    let fault = fault_of(writing_then(&logging(PANICKED), CRASH));
+    assert_eq!(fault, FaultKind::Panic("x.rs:1: sorry".into()));
+}
+
+#[test]
+fn a_crash_without_a_logged_error_has_nothing_to_add() {
+    let fault = fault_of(writing_then(&logging(HELLO), CRASH));
+    assert_eq!(
+        fault,
+        FaultKind::HardFault { detail: None },
+        "no error was logged"
+    );
 }
 
 #[test]

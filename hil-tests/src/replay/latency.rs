@@ -1,0 +1,85 @@
+//! From the interrupt of a gating sample to the motor registers: how long, and what it is made of.
+
+use reflex::app::Reason;
+use reflex::sensors::Input;
+
+use super::alignment::AlignedRun;
+use super::observation::Observation;
+use crate::scoring::{LatencyPart, LatencySample, Quantiles};
+
+/// Longer than this (ns) a write belongs to no hyperperiod's handler: the failsafe has its own.
+const LONGEST_RUN_NS: u64 = 300_000;
+
+/// The parts, in order; each begins where the one before ends.
+const PARTS: [&str; 5] = [
+    "interrupt to its handler",
+    "I2C burst, 18 bytes at 400 kHz",
+    "filter, sum, compare",
+    "run, to the last motor register",
+    "all, interrupt to motors",
+];
+
+/// Every run with the time from the interrupt of its newest gating sample.
+pub(super) fn samples(runs: &[AlignedRun]) -> Vec<LatencySample> {
+    runs.iter()
+        .filter_map(|run| {
+            let nanos = run.written_ns.checked_sub(run.interrupt_ns?)?;
+            Some(LatencySample {
+                at_us: run.at_us,
+                reason: run.ran.reason,
+                micros: nanos as f64 * 1e-3,
+            })
+        })
+        .collect()
+}
+
+/// What the latency of the runs that the gyro asked for is made of.
+pub(super) fn parts<'r>(
+    observation: &Observation,
+    runs: impl Iterator<Item = &'r AlignedRun>,
+) -> Vec<LatencyPart> {
+    let mut micros: [Vec<f64>; PARTS.len()] = Default::default();
+    let by_gyro = runs.filter(|run| {
+        run.ran.reason == Reason::Trigger && run.ran.asked >> Input::Gyro as u8 & 1 == 1
+    });
+    for way in by_gyro.filter_map(|run| way(observation, run)) {
+        for (part, pair) in micros.iter_mut().zip(way.windows(2)) {
+            part.push((pair[1] - pair[0]) as f64 * 1e-3);
+        }
+        micros[PARTS.len() - 1].push((way[4] - way[0]) as f64 * 1e-3);
+    }
+    PARTS
+        .iter()
+        .zip(micros)
+        .map(|(part, micros)| LatencyPart {
+            part: (*part).to_owned(),
+            micros: Quantiles::of(micros),
+        })
+        .collect()
+}
+
+/// The instants of a run's way: interrupt, three handlers' entries, motor write.
+fn way(observation: &Observation, run: &AlignedRun) -> Option<[u64; 5]> {
+    let interrupt = run.interrupt_ns?;
+    let mut way = [interrupt, 0, 0, 0, run.written_ns];
+    for (place, entries) in observation.entries.iter().enumerate() {
+        let next = entries.partition_point(|entry| *entry < way[place]);
+        way[place + 1] = *entries.get(next)?;
+    }
+    way.is_sorted().then_some(way)
+}
+
+/// Time from the entry of the hyperperiod's handler to the motor write; the core never sleeps
+/// in between.
+pub(super) fn run_lengths_ns<'r>(
+    observation: &Observation,
+    runs: impl Iterator<Item = &'r AlignedRun>,
+) -> impl Iterator<Item = u64> {
+    let [.., starts] = &observation.entries;
+    runs.filter_map(|run| {
+        let place = starts.partition_point(|start| *start <= run.written_ns);
+        let start = *starts.get(place.checked_sub(1)?)?;
+        Some(run.written_ns - start)
+    })
+    .filter(|length| *length < LONGEST_RUN_NS)
+}

@@ -1,0 +1,188 @@
+//! Whole replays: the firmware on its board, fed with real flights.
+
+use std::path::PathBuf;
+
+use reflex::settings::{MotorProtocol, Policy, Reference, Settings, WarmUp};
+use reflex::time::micros;
+
+use super::replay;
+use crate::progress::Silent;
+use crate::recordings::recording;
+use crate::replay_options::ReplayOptions;
+use crate::scoring::{ModelState, Report};
+
+fn fly(options: &ReplayOptions) -> Report {
+    replay(options, &mut Silent).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+/// The flight that every machine has, cut short.
+fn seconds(length: f64, settings: Settings) -> ReplayOptions {
+    ReplayOptions {
+        duration_s: Some(length),
+        settings,
+        ..ReplayOptions::default()
+    }
+}
+
+/// What must hold of every flight that reaches reactive control.
+fn check(report: &Report) {
+    let (about, control) = (&report.about, &report.score.section.control);
+    for sensor in about.sensors.iter().filter(|sensor| sensor.present) {
+        assert!(sensor.interrupts > 0, "{}: {sensor:?}", about.log);
+    }
+    assert!(control.by_reason.trigger > 0, "{}", about.log);
+    assert!(control.runs < report.score.hyperperiods, "{}", about.log);
+    let gyro = &about.sensors[0];
+    assert_eq!(gyro.state, ModelState::Fit, "{}", about.log);
+    let whole_way = about.latency_parts_us.last().and_then(|part| part.micros);
+    if let Some(micros) = whole_way {
+        assert!(micros.max < 900.0, "{}: {micros:?}", about.log);
+    }
+    let unexpected = [
+        "imu_bus",
+        "imu_overrun",
+        "chip_bus",
+        "bus_queue",
+        "link_overrun",
+    ];
+    for counter in unexpected {
+        assert_eq!(about.counters[counter], 0, "{}: {counter}", about.log);
+    }
+    assert_eq!(about.counters["log_frames_damaged"], 0, "{}", about.log);
+}
+
+#[test]
+fn the_flight_that_comes_with_the_crates_is_flown_reactively() {
+    let report = fly(&ReplayOptions::default());
+    check(&report);
+    assert!(report.score.duration_s > 68.0);
+    let set: u64 = report
+        .about
+        .sensors
+        .iter()
+        .map(|sensor| sensor.chip_thresholds_set)
+        .sum();
+    assert!(set > 0, "no threshold reached a chip");
+}
+
+fn check_recording(name: &str) {
+    let Some(log) = recording(name) else {
+        return;
+    };
+    check(&fly(&ReplayOptions {
+        log: Some(log),
+        ..ReplayOptions::default()
+    }));
+}
+
+/// One test per recording: they run side by side and fail by name.
+macro_rules! recordings {
+    ($($test:ident: $file:literal,)*) => {
+        $(#[test]
+        fn $test() {
+            check_recording($file);
+        })*
+    };
+}
+
+recordings! {
+    a_phantom_slalom_is_flown: "csv/ansfl_phantom4_h11.csv",
+    a_solo_crash_is_flown: "csv/ap33_solo_acro_crash_mpu6000_lsm303d.csv",
+    a_solo_loiter_is_flown: "csv/ap33_solo_loiter_mpu6000_lsm303d.csv",
+    a_gecko_cruise_is_flown: "csv/bf42_gecko_cruise.csv",
+    a_kakute_hover_is_flown: "csv/bf42_kakutef7_ar8_hover.csv",
+    a_speedybee_freestyle_is_flown: "csv/bf45_speedybee_freestyle.csv",
+    an_unfiltered_freestyle_is_flown: "csv/bf45_speedybee_freestyle_unfilt.csv",
+    a_vibrating_hexarotor_is_flown: "csv/px4_v5_hexa_vib.csv",
+    a_calm_hover_is_flown: "csv/px4_v6c_quad_calm.csv",
+    a_hexarotor_s_ulog_is_flown: "raw/px4_v5_hexa_vib.ulg",
+    a_calm_hover_s_ulog_is_flown: "raw/px4_v6c_quad_calm.ulg",
+}
+
+#[test]
+fn thresholds_of_fitted_models_decide_when_the_chip_interrupts() {
+    let Some(log) = recording("csv/ap33_solo_loiter_mpu6000_lsm303d.csv") else {
+        return;
+    };
+    let report = fly(&ReplayOptions {
+        log: Some(log),
+        duration_s: Some(40.0),
+        ..ReplayOptions::default()
+    });
+    let chips = &report.about.sensors[2..];
+    assert!(
+        chips
+            .iter()
+            .any(|sensor| sensor.chip_thresholds_set > 0 && sensor.chip_crossings > 0)
+    );
+}
+
+#[test]
+fn the_same_replay_writes_the_same_motors_at_the_same_instants() {
+    let options = seconds(6.0, Settings::default());
+    assert_eq!(fly(&options), fly(&options));
+}
+
+#[test]
+fn another_seed_is_another_flight() {
+    let other = Settings {
+        seed: 2,
+        ..Settings::default()
+    };
+    let digests =
+        [Settings::default(), other].map(|settings| fly(&seconds(2.0, settings)).about.digest);
+    assert_ne!(digests[0], digests[1]);
+}
+
+#[test]
+fn periodic_control_runs_at_its_rate_and_asks_no_model() {
+    let report = fly(&seconds(
+        5.0,
+        Settings {
+            policy: Policy::Periodic(micros(4_000)),
+            ..Settings::default()
+        },
+    ));
+    let control = &report.score.section.control;
+    assert_eq!(control.by_reason.trigger, 0);
+    let rate = control.by_reason.periodic as f64 / 5.0;
+    assert!((rate - 250.0).abs() < 2.5, "{rate} Hz");
+}
+
+#[test]
+fn no_option_needs_another_firmware() {
+    let report = fly(&seconds(
+        8.0,
+        Settings {
+            reference: Reference::PreviousSample,
+            warm_up: WarmUp::Fixed(micros(4_000_000)),
+            failsafe: micros(50_000),
+            motors: MotorProtocol::Pwm,
+            p_run: 0.4,
+            quantum: 0.002,
+            seed: 9,
+            policy: Policy::Reactive,
+        },
+    ));
+    assert!(
+        (report.score.warm_up_s - 4.0).abs() < 0.6,
+        "{}",
+        report.score.warm_up_s
+    );
+    let options = &report.about.options;
+    assert_eq!((options.motors.as_str(), options.failsafe_s), ("pwm", 0.05));
+    assert_eq!(
+        (options.reference.as_str(), options.p_run),
+        ("previous-sample", 0.4)
+    );
+}
+
+#[test]
+fn a_log_that_is_not_there_is_refused_before_anything_is_built() {
+    let options = ReplayOptions {
+        log: Some(PathBuf::from("no/such.ulg")),
+        ..ReplayOptions::default()
+    };
+    let error = replay(&options, &mut Silent).expect_err("no such file");
+    assert!(format!("{error:#}").contains("no/such.ulg"));
+}
