@@ -1,4 +1,4 @@
-//! The autopilot: the one door between the board, or a host, and everything portable.
+//! The autopilot: the one door between a board, or a host, and the rest.
 //!
 //! Each `on_*` call carries its own instant, records itself, never waits and never panics. The
 //! same calls in the same order give the same motor commands, bit for bit, on any machine.

@@ -1,4 +1,4 @@
-//! Vectors, quaternions and the few functions that flight arithmetic needs, in `f32`.
+//! Vectors, quaternions and the few functions of flight arithmetic, in `f32`.
 //!
 //! Every operation is a plain IEEE multiplication, addition or division in a written order, so
 //! that the emulated core and the host give the same bits. Trigonometry is by polynomials:

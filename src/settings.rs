@@ -1,4 +1,4 @@
-//! Options that reach the unmodified firmware: a versioned, checksummed block of bytes.
+//! Options for the unmodified firmware: a checksummed block of bytes.
 //!
 //! A replay (or a bootloader) writes the block to the symbol `REFLEX_SETTINGS` in memory that
 //! start-up leaves alone. Absent or wrong in any way, the defaults built from `config/` hold,

@@ -1,4 +1,4 @@
-//! Physical quantities at the public boundaries: SI units, body frame, one type each.
+//! Physical quantities at public boundaries: SI, body frame, one type each.
 //!
 //! The body frame is forward-right-down (FRD), the Earth frame north-east-down (NED). A type
 //! holds three axes of one quantity; within a function its `Vec3` is used.

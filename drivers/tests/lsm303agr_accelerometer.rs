@@ -99,56 +99,17 @@ fn output_set_by_the_crate_is_verified_by_reading_only() {
 
 #[test]
 fn every_output_setting_has_its_register_values() {
+    use AccelDataRate::{Hz1, Hz10, Hz25, Hz50, Hz200, Hz400, Hz1344};
+    use AccelFullScale::{G2, G4, G8, G16};
+    use AccelMode::{HighResolution, LowPower, Normal};
     let cases = [
-        (
-            AccelDataRate::Hz1,
-            AccelFullScale::G2,
-            AccelMode::Normal,
-            0x17,
-            0x81,
-        ),
-        (
-            AccelDataRate::Hz10,
-            AccelFullScale::G8,
-            AccelMode::LowPower,
-            0x2F,
-            0xA1,
-        ),
-        (
-            AccelDataRate::Hz25,
-            AccelFullScale::G16,
-            AccelMode::HighResolution,
-            0x37,
-            0xB9,
-        ),
-        (
-            AccelDataRate::Hz50,
-            AccelFullScale::G4,
-            AccelMode::Normal,
-            0x47,
-            0x91,
-        ),
-        (
-            AccelDataRate::Hz200,
-            AccelFullScale::G4,
-            AccelMode::Normal,
-            0x67,
-            0x91,
-        ),
-        (
-            AccelDataRate::Hz400,
-            AccelFullScale::G4,
-            AccelMode::Normal,
-            0x77,
-            0x91,
-        ),
-        (
-            AccelDataRate::Hz1344,
-            AccelFullScale::G4,
-            AccelMode::Normal,
-            0x97,
-            0x91,
-        ),
+        (Hz1, G2, Normal, 0x17, 0x81),
+        (Hz10, G8, LowPower, 0x2F, 0xA1),
+        (Hz25, G16, HighResolution, 0x37, 0xB9),
+        (Hz50, G4, Normal, 0x47, 0x91),
+        (Hz200, G4, Normal, 0x67, 0x91),
+        (Hz400, G4, Normal, 0x77, 0x91),
+        (Hz1344, G4, Normal, 0x97, 0x91),
     ];
     for (data_rate, full_scale, mode, reg1, reg4) in cases {
         on_bus(&[reads(0xA0, &[reg1]), reads(0xA3, &[reg4])], |bus| {

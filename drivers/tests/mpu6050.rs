@@ -150,78 +150,70 @@ fn every_choice_lands_in_its_register() {
     );
 }
 
+/// Verifies a configuration whose register `index` shall hold `value`, and holds something else.
+fn expect_code(config: ImuConfig, index: usize, value: u8) {
+    let register = FLIGHT_REGISTERS[index].0;
+    let mut bus: Vec<_> = FLIGHT_REGISTERS[..index]
+        .iter()
+        .map(|&(r, v)| read(r, v))
+        .collect();
+    bus.push(read(register, !value));
+    on_bus(&bus, |mut chip| {
+        let wrong = Error::ReadBack {
+            chip: Chip::Mpu6050,
+            register,
+            wrote: value,
+            read: !value,
+        };
+        assert_eq!(chip.verify(&config), Err(wrong));
+    });
+}
+
 #[test]
-fn every_filter_and_range_has_its_code() {
-    let last_read = |config: ImuConfig, index: usize, value: u8| {
-        let mut bus: Vec<_> = FLIGHT_REGISTERS[..index]
-            .iter()
-            .map(|&(r, v)| read(r, v))
-            .collect();
-        bus.push(read(FLIGHT_REGISTERS[index].0, !value));
-        on_bus(&bus, |mut chip| {
-            let register = FLIGHT_REGISTERS[index].0;
-            let wrong = Error::ReadBack {
-                chip: Chip::Mpu6050,
-                register,
-                wrote: value,
-                read: !value,
-            };
-            assert_eq!(chip.verify(&config), Err(wrong));
-        });
-    };
-    use LowPass::{Hz5, Hz10, Hz20, Hz42, Hz98, Hz188, Hz256};
-    for (code, low_pass) in (0..).zip([Hz256, Hz188, Hz98, Hz42, Hz20, Hz10, Hz5]) {
-        last_read(
-            ImuConfig {
-                low_pass,
-                ..ImuConfig::FLIGHT
-            },
-            3,
-            code,
-        );
-    }
+fn every_low_pass_and_gyro_range_has_its_code() {
     use GyroRange::{Dps250, Dps500, Dps1000, Dps2000};
+    use LowPass::{Hz5, Hz10, Hz20, Hz42, Hz98, Hz188, Hz256};
+    let flight = ImuConfig::FLIGHT;
+    for (code, low_pass) in (0..).zip([Hz256, Hz188, Hz98, Hz42, Hz20, Hz10, Hz5]) {
+        expect_code(ImuConfig { low_pass, ..flight }, 3, code);
+    }
     for (code, gyro_range) in (0..).zip([Dps250, Dps500, Dps1000, Dps2000]) {
-        last_read(
+        expect_code(
             ImuConfig {
                 gyro_range,
-                ..ImuConfig::FLIGHT
+                ..flight
             },
             4,
             code << 3,
         );
     }
-    use MotionHighPass::{Hold, Hz0_63, Hz1_25, Hz2_5, Hz5 as Fast, Reset};
-    for (code, high_pass) in [
+}
+
+#[test]
+fn every_motion_high_pass_and_accelerometer_range_has_its_code() {
+    use MotionHighPass::{Hold, Hz0_63, Hz1_25, Hz2_5, Hz5, Reset};
+    let flight = ImuConfig::FLIGHT;
+    let codes = [
         (0, Reset),
-        (1, Fast),
+        (1, Hz5),
         (2, Hz2_5),
         (3, Hz1_25),
         (4, Hz0_63),
         (7, Hold),
-    ] {
+    ];
+    for (code, high_pass) in codes {
         let motion = Some(MotionDetector {
             high_pass,
             ..MOTION
         });
-        last_read(
-            ImuConfig {
-                motion,
-                ..ImuConfig::FLIGHT
-            },
-            5,
-            0x18 | code,
-        );
+        expect_code(ImuConfig { motion, ..flight }, 5, 0x18 | code);
     }
-    last_read(
-        ImuConfig {
-            accel_range: AccelRange::G2,
-            motion: Some(MOTION),
-            ..ImuConfig::FLIGHT
-        },
-        5,
-        0x07,
-    );
+    let finest = ImuConfig {
+        accel_range: AccelRange::G2,
+        motion: Some(MOTION),
+        ..flight
+    };
+    expect_code(finest, 5, 0x07);
 }
 
 #[test]

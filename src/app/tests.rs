@@ -1,4 +1,4 @@
-//! The autopilot through its door: calibration, warm-up, triggers, failsafe, determinism.
+//! The autopilot through its door: warm-up, triggers, failsafe, determinism.
 
 use super::*;
 use crate::config::{HYPERPERIOD, MOTORS, SETTINGS};

@@ -1,4 +1,4 @@
-//! The arrival stage: what is done to every sample, whether or not control runs on it.
+//! The arrival stage: what is done to every sample, run or no run.
 //!
 //! Each sample is low-pass filtered and summed into delta-angle, delta-velocity and delta-t.
 //! The estimator consumes the sums when control runs, so that skipped runs lose no rotation

@@ -1,4 +1,4 @@
-//! Frames made by the crate's own serialiser, read by ours; every way to spoil them.
+//! Frames made by the crate's own serialiser, and every way to spoil them.
 
 use super::*;
 use crate::time::{Instant, at_micros};

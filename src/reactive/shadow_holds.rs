@@ -1,4 +1,4 @@
-//! Shadow holds: what reactive control would have met, learned while control runs every time.
+//! Shadow holds: what reactive control would have met, learned in advance.
 //!
 //! A command that is held ages, and the change that has then piled up is not the change from
 //! one sample to the next. So the warm-up pretends: for each of some candidate thresholds it

@@ -1,4 +1,4 @@
-//! The supervisor: which way of running control is in force, as a table of (phase, event).
+//! The supervisor: how control is run, as a table of (phase, event).
 
 use crate::config::{LONGEST_WARM_UP, SHORTEST_WARM_UP};
 use crate::settings::{Policy, WarmUp};

@@ -1,4 +1,4 @@
-//! What the report says around the score: options, sensors, latency, load, counters.
+//! What the report says around the score: options, sensors, load, counters.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Runs, motor writes and interrupt edges matched to each other, and the two clocks with them.
+//! Runs, motor writes and edges matched, and the two clocks with them.
 //!
 //! The firmware stamps with its own clock, which starts some time after reset; edges and
 //! register writes carry the board's time. Every run writes the motors once, so runs and

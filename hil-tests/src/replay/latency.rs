@@ -1,4 +1,4 @@
-//! From the interrupt of a gating sample to the motor registers: how long, and what it is made of.
+//! From a gating sample's interrupt to the motors: how long, made of what.
 
 use reflex::app::Reason;
 use reflex::sensors::Input;

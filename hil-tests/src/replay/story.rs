@@ -1,4 +1,4 @@
-//! The calls of a replay told again: a reference, a mirror, and the flight that is scored.
+//! A replay's calls told again: reference, mirror, and the scored flight.
 //!
 //! The *reference* is a second autopilot that runs at every gating sample of the same flight,
 //! with its own state. The *mirror* makes the firmware's very calls and must come to the

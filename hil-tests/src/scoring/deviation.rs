@@ -1,4 +1,4 @@
-//! How far a held command strays from the reference: the measure shared by all policies.
+//! How far a held command strays from the reference: one measure for all.
 
 use super::flight::Command;
 use reflex::config::MOTORS;

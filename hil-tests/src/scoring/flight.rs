@@ -1,4 +1,4 @@
-//! A flight as it is scored: one step per hyperperiod, with the runs that fell into it.
+//! A flight as it is scored: one step per hyperperiod, with its runs.
 //!
 //! The steps are filled in order while a replay goes on; everything else in this module only
 //! reads them. What a motor held is derived here, once, from the runs, so that a step can

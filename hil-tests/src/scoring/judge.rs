@@ -1,4 +1,4 @@
-//! Each hyperperiod judged once: what was decided there, and what the motors held after it.
+//! Each hyperperiod judged once: what was decided, what the motors held.
 //!
 //! Definitions, with the choices where they leave room:
 //! - *positive*: the run at the hyperperiod's end was asked for by a trigger. *True*: the

@@ -1,4 +1,4 @@
-//! How long the motors waited: from the newest gating sample's interrupt to their register.
+//! How long the motors waited for the newest gating sample.
 
 use super::deviation::finite;
 use super::flight::Flight;

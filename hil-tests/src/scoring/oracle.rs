@@ -1,4 +1,4 @@
-//! The oracle: a greedy dead-band over the reference, told the future's need by the present.
+//! The oracle: a greedy dead-band over the reference.
 //!
 //! It runs exactly when the reference differs by its dead-band or more from the value held,
 //! and at least every `T_failsafe`: a run falls due at the last hyperperiod that keeps the

@@ -1,4 +1,4 @@
-//! Periodic control with as many runs as the policy on the same flight: the one to beat.
+//! Periodic control with as many runs on the same flight: the one to beat.
 //!
 //! Two forms. The real one flies a periodic autopilot with its own control state, supplied by
 //! the caller, at the rate that gives the same number of runs. The ideal one holds the

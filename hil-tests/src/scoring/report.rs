@@ -1,4 +1,4 @@
-//! The JSON report of a replay: its score, and everything that the replay knows of itself.
+//! The JSON report of a replay: its score, and what the replay knows.
 
 use super::Score;
 use super::latency::Quantiles;

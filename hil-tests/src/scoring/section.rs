@@ -1,4 +1,4 @@
-//! Control, decisions and actuators: the numbers of a whole flight and of each of its windows.
+//! Control, decisions, actuators: of a whole flight and of its windows.
 
 use super::deviation::{Deviation, rate, share};
 use super::flight::{Flight, Step, seconds};

@@ -1,4 +1,4 @@
-//! The report as text: what was flown, what the firmware decided, and how good that was.
+//! The report as text: what was flown, what was decided, how good it was.
 
 use super::Score;
 use super::deviation::rate;

@@ -1,4 +1,4 @@
-//! Every number against small cases worked out by hand, and rules that all flights obey.
+//! Every number against cases worked out by hand, and rules for all flights.
 
 mod actuators;
 mod decisions;

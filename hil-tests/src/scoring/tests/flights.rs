@@ -1,4 +1,4 @@
-//! What a flight derives from the runs it is told of, and flights with nothing to score.
+//! What a flight derives from its runs, and flights with nothing to score.
 
 use super::*;
 

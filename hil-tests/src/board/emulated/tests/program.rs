@@ -105,88 +105,68 @@ const ALLOC: u32 = 2;
 const HEADER: usize = 52;
 const SEGMENT: usize = 32;
 
-/// A 32-bit Arm ELF with `image` at the start of flash and [`SYMBOLS`].
-fn linked(image: &[u8]) -> Vec<u8> {
-    let words = |values: &[u32]| {
-        values
-            .iter()
-            .flat_map(|value| value.to_le_bytes())
-            .collect()
-    };
+/// Little-endian bytes of words.
+fn words(values: &[u32]) -> Vec<u8> {
+    values
+        .iter()
+        .flat_map(|value| value.to_le_bytes())
+        .collect()
+}
+
+/// The symbol table of [`SYMBOLS`], and the strings it names.
+fn symbol_table() -> (Vec<u8>, Vec<u8>) {
     let mut strings = vec![0_u8];
     let mut symbols = vec![0_u8; 16];
     for (name, value, section) in SYMBOLS {
-        let at: Vec<u8> = words(&[strings.len() as u32, value, 0]);
-        symbols.extend(at);
+        symbols.extend(words(&[strings.len() as u32, value, 0]));
         // Global, no type; default visibility.
         symbols.extend([0x10, 0]);
         symbols.extend(section.to_le_bytes());
         strings.extend(name.bytes().chain([0]));
     }
+    (symbols, strings)
+}
+
+/// The ELF header of an Arm executable with one segment and six sections.
+fn header(sections_at: usize) -> Vec<u8> {
+    let mut file: Vec<u8> = b"\x7fELF\x01\x01\x01\0\0\0\0\0\0\0\0\0\x02\0\x28\0".to_vec();
+    let places = [1, CODE | 1, HEADER as u32, sections_at as u32, 0x0500_0000];
+    file.extend(words(&places));
+    for half in [HEADER, SEGMENT, 1, 40, 6, 5] {
+        file.extend((half as u16).to_le_bytes());
+    }
+    file
+}
+
+/// A 32-bit Arm ELF with `image` at the start of flash and [`SYMBOLS`].
+fn linked(image: &[u8]) -> Vec<u8> {
+    let (symbols, strings) = symbol_table();
     let names = b"\0.text\0.defmt\0.symtab\0.strtab\0";
     let image_at = HEADER + SEGMENT;
     let symbols_at = image_at + image.len();
     let strings_at = symbols_at + symbols.len();
     let names_at = strings_at + strings.len();
     let sections_at = (names_at + names.len()).next_multiple_of(4);
+    let [image_w, symbols_w, strings_w, names_w] =
+        [image_at, symbols_at, strings_at, names_at].map(|at| at as u32);
+    let [image_n, symbols_n, strings_n, names_n] =
+        [image.len(), symbols.len(), strings.len(), names.len()].map(|length| length as u32);
     // name, type, flags, address, offset, size, link, info, alignment, entry
-    let section = |values: [usize; 10]| -> Vec<u8> { words(&values.map(|value| value as u32)) };
-    let (load, none) = (FLASH as usize, [0; 10]);
-    let table = [
-        section(none),
-        section([
-            1,
-            PROGBITS as usize,
-            ALLOC as usize,
-            load,
-            image_at,
-            image.len(),
-            0,
-            0,
-            4,
-            0,
-        ]),
-        section([7, PROGBITS as usize, 0, 0, image_at, 0, 0, 0, 1, 0]),
-        section([
-            14,
-            SYMTAB as usize,
-            0,
-            0,
-            symbols_at,
-            symbols.len(),
-            4,
-            1,
-            4,
-            16,
-        ]),
-        section([
-            22,
-            STRTAB as usize,
-            0,
-            0,
-            strings_at,
-            strings.len(),
-            0,
-            0,
-            1,
-            0,
-        ]),
-        section([22, STRTAB as usize, 0, 0, names_at, names.len(), 0, 0, 1, 0]),
+    let sections: [[u32; 10]; 6] = [
+        [0; 10],
+        [1, PROGBITS, ALLOC, FLASH, image_w, image_n, 0, 0, 4, 0],
+        [7, PROGBITS, 0, 0, image_w, 0, 0, 0, 1, 0],
+        [14, SYMTAB, 0, 0, symbols_w, symbols_n, 4, 1, 4, 16],
+        [22, STRTAB, 0, 0, strings_w, strings_n, 0, 0, 1, 0],
+        [22, STRTAB, 0, 0, names_w, names_n, 0, 0, 1, 0],
     ];
-    let mut file: Vec<u8> = b"\x7fELF\x01\x01\x01\0\0\0\0\0\0\0\0\0\x02\0\x28\0".to_vec();
-    let ends: Vec<u8> = words(&[1, CODE | 1, HEADER as u32, sections_at as u32, 0x0500_0000]);
-    file.extend(ends);
-    for half in [HEADER, SEGMENT, 1, 40, table.len(), 5] {
-        file.extend((half as u16).to_le_bytes());
-    }
-    let size = image.len() as u32;
-    let segment: Vec<u8> = words(&[1, image_at as u32, FLASH, FLASH, size, size, 5, 4]);
-    file.extend(segment);
+    let mut file = header(sections_at);
+    file.extend(words(&[1, image_w, FLASH, FLASH, image_n, image_n, 5, 4]));
     file.extend_from_slice(image);
     file.extend(symbols);
     file.extend(strings);
     file.extend_from_slice(names);
     file.resize(sections_at, 0);
-    file.extend(table.concat());
+    file.extend(sections.iter().flat_map(|section| words(section)));
     file
 }
