@@ -68,6 +68,8 @@ struct Heading {
     /// Direction of the horizontal field when it was first seen, rad in Earth axes.
     field: Option<f32>,
     error: Option<(Instant, f32)>,
+    /// When an external pose last gave a heading: it goes before the magnetometer.
+    pose_at: Option<Instant>,
 }
 
 impl<R: Recorder> Autopilot<R> {

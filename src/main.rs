@@ -20,17 +20,16 @@
 //! | `repair_imu` | CAN1_TX, spawned | 1 | 5 ms | `imu_bus` | the chip stays silent, the drone disarmed or on failsafe |
 //! | `idle` | - | 0 | - | `autopilot` | models are refitted and events logged later |
 //!
-//! Vectors of peripherals that the board does not use raise tasks by software. `hyperperiod` and
-//! `chips` are pended, not spawned: a pend while the task runs is not lost.
+//! Spare vectors raise tasks by software; a pend, unlike a spawn, is not lost while the task runs.
 //!
-//! `autopilot` is locked at priority 4 at most, so that stamps and bursts are never held up by
-//! control. `link_*` call it under that lock: a message takes less time than a hand-over would.
+//! `autopilot` is locked at priority 4 at most: control holds up neither stamps nor bursts. The log
+//! does, by microseconds: idle formats a line with interrupts masked.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
 mod board;
 
-/// On a computer there is nothing to fly: prints the configuration that the firmware is built with.
+/// On a computer there is nothing to fly: prints the configuration that is built in.
 #[cfg(not(target_os = "none"))]
 fn main() {
     print!("{}", reflex::config::describe());
@@ -54,7 +53,7 @@ mod app {
 
     const HYPERPERIOD: Interrupt = Interrupt::CAN2_TX;
     const CHIPS: Interrupt = Interrupt::CAN2_RX0;
-    /// Fetches and orders per activation of `chips`, events per pass of idle: nobody goes on for ever.
+    /// Fetches and orders per activation of `chips`, events per pass of idle.
     const MOST_AT_ONCE: usize = 8;
     /// Set where idle may have something to do.
     static WORK: AtomicBool = AtomicBool::new(true);
@@ -178,6 +177,7 @@ mod app {
                 cx.shared.motors.lock(|motors| motors.write(&output));
             }
             rtic::pend(CHIPS);
+            WORK.store(true, Ordering::Relaxed);
             cx.local.watchdog.feed();
             if cx.shared.imu_bus.lock(|bus| imu::is_silent(bus, time)) {
                 let _ = repair_imu::spawn();
@@ -281,7 +281,7 @@ mod app {
         match next {
             Next::Wait => {}
             Next::Hyperperiod => rtic::pend(HYPERPERIOD),
-            // Where one is awaited already, it comes soon enough.
+            // Where one is awaited already, that one or the failsafe ends this one too.
             Next::HyperperiodAt(at) => drop(late_hyperperiod::spawn(at)),
         }
     }
@@ -293,8 +293,8 @@ mod app {
             raise(next);
             answer
         };
-        if link.lock(|link| link.receive(now(), deliver)).is_err() {
-            autopilot.lock(|pilot| pilot.on_fault(now(), Fault::LinkOverrun));
+        if let Some(fault) = link.lock(|link| link.receive(now(), deliver)) {
+            autopilot.lock(|pilot| pilot.on_fault(now(), fault));
         }
     }
 }

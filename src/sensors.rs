@@ -1,7 +1,7 @@
 //! What the sensors deliver: raw counts with their scale, and samples in SI units.
 //!
 //! Counts enter here and nowhere else become physical quantities. Scales are those of the
-//! ranges the firmware programs: MPU6050 +-2000 deg/s and +-16 g, LSM303AGR +-4 g
+//! ranges the firmware programs: MPU6050 +-2000 deg/s and +-16 g, LSM303AGR +-2 g
 //! high-resolution and 1.5 mG.
 
 use crate::math::Vec3;
@@ -20,8 +20,11 @@ pub const GYRO_SCALE: f32 = core::f32::consts::PI / (180.0 * 16.4);
 /// m/s2 per count at +-16 g (PS-MPU-6000A, table 6.2: 2048 counts per g).
 pub const IMU_ACCEL_SCALE: f32 = GRAVITY / 2048.0;
 
-/// m/s2 per count at +-4 g: 12 bits left-justified, 1.95 mg a digit (LSM303AGR, table 3).
-pub const CHIP_ACCEL_SCALE: f32 = GRAVITY * 0.001_95 / 16.0;
+/// m/s2 per count at +-2 g: 12 bits left-justified, 0.98 mg a digit (LSM303AGR, table 3).
+///
+/// The finest range, because its threshold has the finest step, and because the MPU6050 sees
+/// what lies beyond it.
+pub const CHIP_ACCEL_SCALE: f32 = GRAVITY * 0.000_98 / 16.0;
 
 /// Gauss per count (LSM303AGR, table 3: 1.5 mG).
 pub const MAG_SCALE: f32 = 0.0015;

@@ -37,7 +37,7 @@ pub enum Reference {
 pub enum WarmUp {
     /// Until every relevant model has its labels and is stable, 3 s to `T_boot`.
     Automatic,
-    /// For exactly this long.
+    /// For this long, to the next refit behind it.
     Fixed(Duration),
 }
 

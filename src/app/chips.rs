@@ -5,21 +5,21 @@
 //! read back by the board, and are repeated while they fail.
 
 use super::{Autopilot, Call, ChipOrder, Fault, OrderError, Recorder};
-use crate::config::{CHIP_ACCEL, CHIP_MAG};
+use crate::config::{CHIP_ACCEL, CHIP_ACCEL_RATE, CHIP_MAG};
 use crate::reactive::{Fit, Phase};
 use crate::sensors::{GRAVITY, Input, MAG_SCALE};
 use crate::settings::Reference;
 use crate::telemetry::Event;
 use crate::time::{Duration, Instant, micros, seconds, span};
 
-/// m/s2 per code of the accelerometer's threshold at +-4 g: 32 mg (LSM303AGR, table 60).
-pub const ACCEL_CODE: f32 = 0.032 * GRAVITY;
+/// m/s2 per code of the accelerometer's threshold at +-2 g: 16 mg (LSM303AGR, INT1_THS_A).
+const ACCEL_CODE: f32 = 0.016 * GRAVITY;
 
 /// The largest threshold code of the accelerometer: 7 bits.
 const LARGEST_ACCEL_CODE: f32 = 127.0;
 
-/// Time constant of the accelerometer's high-pass at its lowest corner and 100 Hz, 0.25 Hz.
-const HIGH_PASS_TIME: f32 = 0.64;
+/// Time constant (s) of the accelerometer's high-pass at its lowest corner, rate / 400.
+const HIGH_PASS_TIME: f32 = 400.0 / (core::f32::consts::TAU * CHIP_ACCEL_RATE as f32);
 
 /// A sample that repeats this often, bit by bit, comes from a chip that is stuck.
 const STUCK: u8 = 50;
@@ -40,11 +40,13 @@ pub(super) struct Chip {
     wanted: Mode,
     programmed: Option<Mode>,
     /// When the order under way was given, or the last one failed: nothing is ordered for a while.
-    ordered: Option<Instant>,
+    quiet_since: Option<Instant>,
     failures: u32,
     rearm: bool,
     rearmed: Instant,
     seen: Instant,
+    /// When its threshold was last read back.
+    checked: Instant,
     silence_told: bool,
     counts: [i16; 3],
     repeats: u8,
@@ -62,11 +64,12 @@ impl Default for Chip {
         Self {
             wanted: Mode::DataReady,
             programmed: None,
-            ordered: None,
+            quiet_since: None,
             failures: 0,
             rearm: false,
             rearmed: Instant::from_ticks(0),
             seen: Instant::from_ticks(0),
+            checked: Instant::from_ticks(0),
             silence_told: false,
             counts: [0; 3],
             repeats: 0,
@@ -100,40 +103,40 @@ impl Chip {
 
     /// Re-arming more often than the chip samples would change nothing.
     fn need(&mut self, now: Instant, period: Duration, failsafe: Duration) -> Option<Need> {
-        if self.ordered.is_some_and(|at| span(at, now) < PATIENCE) {
+        if self.quiet_since.is_some_and(|at| span(at, now) < PATIENCE) {
             return None;
         }
+        let compares = matches!(self.wanted, Mode::Threshold(_));
+        // A chip that compares may rightly be silent, and is asked whether it still does.
+        let heard = if compares { self.checked } else { self.seen };
         let need = if self.programmed != Some(self.wanted) {
             Need::Program(self.wanted)
-        } else if self.rearm
-            && matches!(self.wanted, Mode::Threshold(_))
-            && span(self.rearmed, now) >= period
-        {
-            Need::Rearm
-        } else if span(self.seen, now) >= failsafe {
+        } else if span(heard, now) >= failsafe {
             Need::Heartbeat
+        } else if self.rearm && compares && span(self.rearmed, now) >= period {
+            // A run that comes while this is under way asks for the next.
+            self.rearm = false;
+            Need::Rearm
         } else {
             return None;
         };
-        self.ordered = Some(now);
+        self.quiet_since = Some(now);
         Some(need)
     }
 
     fn on_done(&mut self, at: Instant, order: Done, result: Result<(), OrderError>) {
-        self.ordered = result.is_err().then_some(at);
+        self.quiet_since = result.is_err().then_some(at);
         if result.is_ok() {
             self.seen = at;
         }
         match (order, result) {
             (Done::Programmed(mode), Ok(())) => {
                 self.programmed = Some(mode);
+                self.checked = at;
                 self.rearm = matches!(mode, Mode::Threshold(_));
             }
-            (Done::Rearmed, Ok(())) => {
-                self.rearm = false;
-                self.rearmed = at;
-            }
-            (Done::HeartbeatRead, Ok(())) => {}
+            (Done::Rearmed, Ok(())) => self.rearmed = at,
+            (Done::HeartbeatRead, Ok(())) => self.checked = at,
             // Whatever failed, what the chip does now is not known: program it anew.
             (_, Err(_)) => {
                 self.programmed = None;
@@ -157,10 +160,20 @@ impl Chips {
         self.mag.rearm = true;
     }
 
+    /// False for a chip that fell silent, or repeats itself: its model is not waited for.
+    pub(super) fn delivers(&self, input: Input) -> bool {
+        let chip = match input {
+            Input::Gyro | Input::Accel => return true,
+            Input::ChipAccel => &self.accel,
+            Input::ChipMag => &self.mag,
+        };
+        !chip.silence_told && !chip.is_stuck()
+    }
+
     /// A new phase: what is under way is not waited for.
     pub(super) fn retry(&mut self) {
-        self.accel.ordered = None;
-        self.mag.ordered = None;
+        self.accel.quiet_since = None;
+        self.mag.quiet_since = None;
     }
 }
 
@@ -245,6 +258,7 @@ impl<R: Recorder> Autopilot<R> {
     /// A chip compares only in reactive control, with a model, against the last run's sample.
     fn wanted(&self, input: Input, code: impl Fn(f32) -> Option<u16>) -> Mode {
         let compares = self.supervisor.phase() == Phase::Reactive
+            && self.learners.look(input).triggers
             && self.settings.reference == Reference::LastRun
             && matches!(self.fit(input), Fit::Model(_));
         if !compares {

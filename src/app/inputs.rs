@@ -1,12 +1,12 @@
 //! What comes in: samples of both chips, messages of the link.
 
-use super::{Autopilot, Call, Fault, Next, Recorder};
+use super::{Autopilot, Call, Fault, Heading, Next, Reason, Recorder};
 use crate::config::{SETPOINT_ANGLE_QUANTUM, SETPOINT_RATE_QUANTUM, SETPOINT_THRUST_QUANTUM};
 use crate::control::Setpoint;
 use crate::link::{Answer, ExternalPose, Message};
 use crate::math::{Vec3, atan2, wrapped};
-use crate::reactive::{Phase, PhaseEvent};
-use crate::safety::{Arming, ArmingEvent};
+use crate::reactive::{FallbackReason, Phase, PhaseEvent};
+use crate::safety::{Arming, ArmingEvent, Refusal};
 use crate::sensors::{Cause, IMU_BURST_LENGTH, ImuSample, Input, chip_field, chip_force};
 use crate::telemetry::Event;
 use crate::time::{Duration, Instant, micros, span};
@@ -14,6 +14,12 @@ use crate::units::BodyRates;
 
 /// How long a measured error of the heading is believed.
 const HEADING_LIFE: Duration = micros(200_000);
+
+/// Cosine of the tilt beyond which arming is refused: 60 degrees.
+///
+/// A drone that lies on its side, or whose chips are mounted another way than face down, would
+/// turn over.
+const LEAST_UPRIGHT: f32 = 0.5;
 
 /// The weakest horizontal field (gauss) that shows a heading; Earth's is 0.1 and more below
 /// 70 degrees of latitude.
@@ -38,7 +44,7 @@ impl<R: Recorder> Autopilot<R> {
             rates: BodyRates(sample.rates.0 - bias.0),
             ..sample
         });
-        if self.supervisor.phase() == Phase::Fallback(crate::reactive::FallbackReason::ImuLost) {
+        if self.supervisor.phase() == Phase::Fallback(FallbackReason::ImuLost) {
             self.move_phase(PhaseEvent::ImuBack);
         }
         let rates = self.arrival.rates().0;
@@ -67,7 +73,8 @@ impl<R: Recorder> Autopilot<R> {
 
     /// Takes a sample into its trigger; asks for a run where its change calls for one.
     fn compare(&mut self, input: Input, sample: Vec3) -> bool {
-        let calls = self.learners.of(input).trigger.take(sample);
+        let learner = self.learners.of(input);
+        let calls = learner.trigger.take(sample) && learner.triggers;
         if calls {
             self.schedule.ask(input);
         }
@@ -115,8 +122,13 @@ impl<R: Recorder> Autopilot<R> {
 
     /// The field's horizontal direction, held against the one first seen, shows yaw drift.
     fn measure_heading(&mut self, at: Instant, field: Vec3) {
+        let pose_leads = self
+            .heading
+            .pose_at
+            .is_some_and(|pose_at| span(pose_at, at) <= HEADING_LIFE);
         let earth = self.graph.attitude().to_earth(field);
-        if earth.x.abs().max(earth.y.abs()) < WEAKEST_FIELD || self.bias.is_none() {
+        let weak = earth.x.abs().max(earth.y.abs()) < WEAKEST_FIELD;
+        if weak || pose_leads || self.bias.is_none() {
             return;
         }
         let direction = atan2(earth.y, earth.x);
@@ -141,7 +153,7 @@ impl<R: Recorder> Autopilot<R> {
                 self.on_setpoint(at, setpoint);
                 (Next::Wait, None)
             }
-            Message::Arm(arm) => (Next::Wait, Some(self.on_arm(*arm))),
+            Message::Arm(arm) => self.on_arm(*arm),
             Message::Pose(pose) => {
                 self.on_pose(at, pose);
                 (Next::Wait, None)
@@ -158,17 +170,24 @@ impl<R: Recorder> Autopilot<R> {
         }
     }
 
-    fn on_arm(&mut self, arm: bool) -> Answer {
-        let event = if arm {
-            ArmingEvent::Arm
-        } else {
-            ArmingEvent::Disarm
-        };
-        if self.move_arming(event) {
+    fn on_arm(&mut self, arm: bool) -> (Next, Option<Answer>) {
+        if !arm {
+            self.move_arming(ArmingEvent::Disarm);
+            // The motors stop now, not when the next sample comes.
+            self.schedule.force(Reason::Ground);
+            return (Next::Hyperperiod, Some(Answer::Accepted));
+        }
+        let upright = self.graph.attitude().down_in_body().z >= LEAST_UPRIGHT;
+        if self.arming == Arming::Disarmed && !upright {
+            self.events.push(Event::Refused(Refusal::Tilted));
+            return (Next::Wait, Some(Answer::TemporarilyRejected));
+        }
+        let answer = if self.move_arming(ArmingEvent::Arm) {
             Answer::Accepted
         } else {
             Answer::TemporarilyRejected
-        }
+        };
+        (Next::Wait, Some(answer))
     }
 
     /// Moves the arming state; false where that was refused.
@@ -192,7 +211,12 @@ impl<R: Recorder> Autopilot<R> {
     fn on_arming_changed(&mut self) {
         let event = match self.arming {
             Arming::Armed => PhaseEvent::Armed,
-            Arming::Disarmed | Arming::Calibrating => PhaseEvent::Disarmed,
+            Arming::Disarmed | Arming::Calibrating => {
+                // The next flight shall not begin with the thrust that this one ended with.
+                self.graph.set_setpoint(Setpoint::default());
+                self.setpoint_at = None;
+                PhaseEvent::Disarmed
+            }
         };
         self.move_phase(event);
     }
@@ -200,7 +224,12 @@ impl<R: Recorder> Autopilot<R> {
     fn on_pose(&mut self, at: Instant, pose: &ExternalPose) {
         if let Some(attitude) = pose.attitude {
             let error = wrapped(attitude.heading() - self.graph.attitude().heading());
-            self.heading.error = Some((at, error));
+            self.heading = Heading {
+                // Once the pose falls silent, the field holds the heading that it left.
+                field: None,
+                error: Some((at, error)),
+                pose_at: Some(at),
+            };
         }
         self.pose = Some(*pose);
     }

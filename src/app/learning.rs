@@ -21,6 +21,8 @@ use crate::time::{Instant, seconds, span};
 pub(super) struct Learner {
     pub(super) trigger: Trigger,
     labels: Labels,
+    /// Its model may ask for a run.
+    pub(super) triggers: bool,
     holds: ShadowHolds,
     refitted: Instant,
     /// Refits in a row that left the threshold where it was.
@@ -43,6 +45,7 @@ impl Learner {
         Self {
             trigger: Trigger::new(settings.reference, settings.p_run),
             labels: Labels::new(input),
+            triggers: input.triggers,
             holds: ShadowHolds::new(input),
             refitted: Instant::from_ticks(0),
             stable: 0,
@@ -76,6 +79,7 @@ impl Learner {
     /// Stable and with labels of both classes, or known not to matter.
     fn is_settled(&self) -> bool {
         match self.trigger.fit() {
+            _ if !self.triggers => true,
             Fit::Irrelevant => true,
             Fit::Unfit => false,
             Fit::Model(_) => {
@@ -223,8 +227,8 @@ impl<R: Recorder> Autopilot<R> {
             .fade(1.0 - seconds(REFIT_INTERVAL) / seconds(FORGETTING));
         self.events.push(event);
         let learned = Input::ALL
-            .iter()
-            .all(|input| self.learners.look(*input).is_settled());
+            .into_iter()
+            .all(|input| self.learners.look(input).is_settled() || !self.chips.delivers(input));
         let fitted = self.learners.gyro.trigger.model().is_some();
         if let Some(event) = self.supervisor.judge(learned, fitted, now) {
             self.move_phase(event);

@@ -3,7 +3,8 @@
 use super::{Autopilot, Call, Fault, Ran, Reason, Recorder};
 use crate::config::SETPOINT_TIMEOUT;
 use crate::control::Setpoint;
-use crate::reactive::{PhaseEvent, differs};
+use crate::estimate::GyroCalibration;
+use crate::reactive::{FallbackReason, Phase, PhaseEvent, differs};
 use crate::safety::{Arming, ArmingEvent, MotorOutput};
 use crate::telemetry::Event;
 use crate::time::{Instant, span};
@@ -26,8 +27,6 @@ impl<R: Recorder> Autopilot<R> {
         if now < self.deadline() {
             return None;
         }
-        self.check_gate(now);
-        self.check_chips(now);
         Some(self.run(now, Reason::Failsafe))
     }
 
@@ -37,14 +36,18 @@ impl<R: Recorder> Autopilot<R> {
         self.schedule.deadline()
     }
 
+    /// Looked at in every run, whoever asked for it: a drone that tumbles without its gyroscope
+    /// may be run by the other chip often enough that the failsafe never is.
     fn check_gate(&mut self, now: Instant) {
-        if self.schedule.is_gate_silent(now) {
-            self.count(Fault::ImuSilent);
-            self.move_arming(ArmingEvent::ImuLost);
-            self.move_phase(PhaseEvent::ImuLost);
-            if self.arming == Arming::Calibrating {
-                self.bias = None;
-            }
+        if !self.schedule.notice_silence(now) {
+            return;
+        }
+        self.count(Fault::ImuSilent);
+        self.move_arming(ArmingEvent::ImuLost);
+        self.move_phase(PhaseEvent::ImuLost);
+        if self.arming == Arming::Calibrating {
+            self.bias = None;
+            self.calibration = GyroCalibration::default();
         }
     }
 
@@ -57,7 +60,11 @@ impl<R: Recorder> Autopilot<R> {
     }
 
     fn run(&mut self, now: Instant, reason: Reason) -> MotorOutput {
+        self.check_gate(now);
+        self.check_chips(now);
         self.check_setpoint(now);
+        let blind = self.supervisor.phase() == Phase::Fallback(FallbackReason::ImuLost);
+        self.graph.set_blind(blind);
         let motion = self.arrival.take_sums();
         let heading_error = self.heading_error(now);
         self.graph
@@ -70,7 +77,11 @@ impl<R: Recorder> Autopilot<R> {
         let output = self.gate.pass(self.arming, self.graph.command());
         let asked = self.schedule.asked();
         let changed = differs(&before, &output.share(), self.settings.quantum);
-        self.learn(now, reason, asked, changed);
+        // Without new motion a command cannot change, which teaches nothing about sensors; and
+        // a setpoint that moved may have changed it whatever they said.
+        if motion.dt > 0.0 && !self.schedule.is_asked_by_setpoint() {
+            self.learn(now, reason, asked, changed);
+        }
         self.schedule.on_run(now);
         self.learners.on_run(self.graph.setpoint());
         self.chips.on_run();

@@ -17,6 +17,8 @@ pub(super) struct Schedule {
     period: Option<Duration>,
     last_run: Instant,
     last_gate: Option<Instant>,
+    /// The gating sensor's silence was noticed and lasts.
+    silent: bool,
     next_periodic: Instant,
     /// One bit for each input that asked for a run in this hyperperiod.
     asked: u8,
@@ -35,6 +37,7 @@ impl Schedule {
             },
             last_run: Instant::from_ticks(0),
             last_gate: None,
+            silent: false,
             next_periodic: Instant::from_ticks(0),
             asked: 0,
             setpoint_asked: false,
@@ -53,6 +56,16 @@ impl Schedule {
         self.setpoint_asked = true;
     }
 
+    /// A run is due at once, whatever the phase.
+    pub(super) fn force(&mut self, reason: Reason) {
+        self.pending = Some(reason);
+    }
+
+    /// True where the setpoint moved past its quantum since the last run.
+    pub(super) fn is_asked_by_setpoint(&self) -> bool {
+        self.setpoint_asked
+    }
+
     pub(super) fn asked(&self) -> u8 {
         self.asked
     }
@@ -64,6 +77,7 @@ impl Schedule {
     /// A gating sample arrived.
     pub(super) fn gate(&mut self, at: Instant) {
         self.last_gate = Some(at);
+        self.silent = false;
     }
 
     /// The last gating input of a hyperperiod arrived: is a run due?
@@ -82,8 +96,9 @@ impl Schedule {
                 .asked_reason()
                 .or_else(|| explore().then_some(Reason::Exploration)),
         };
-        self.pending = reason;
-        reason.is_some()
+        // A run that is due and did not happen yet stays due.
+        self.pending = self.pending.or(reason);
+        self.pending.is_some()
     }
 
     fn asked_reason(&self) -> Option<Reason> {
@@ -105,7 +120,9 @@ impl Schedule {
         if at < self.next_periodic {
             return false;
         }
-        self.next_periodic = self.next_periodic.max(at - period.min(HYPERPERIOD)) + period;
+        // Keeps its phase, so that the mean rate is the one asked for; a long gap starts it anew.
+        let behind = span(self.next_periodic, at) > period;
+        self.next_periodic = if behind { at } else { self.next_periodic } + period;
         true
     }
 
@@ -127,14 +144,17 @@ impl Schedule {
         self.last_run + self.failsafe
     }
 
-    /// True where the gating sensor has been silent for two failsafe periods.
+    /// True once per silence of the gating sensor: after two failsafe periods.
     ///
     /// At start-up it is given its time to wake.
-    pub(super) fn is_gate_silent(&self, now: Instant) -> bool {
-        match self.last_gate {
+    pub(super) fn notice_silence(&mut self, now: Instant) -> bool {
+        let silent = match self.last_gate {
             Some(at) => span(at, now) > self.failsafe * 2,
             None => now > at_micros(0) + WAKING,
-        }
+        };
+        let noticed = silent && !self.silent;
+        self.silent = silent;
+        noticed
     }
 
     /// A run happened.

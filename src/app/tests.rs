@@ -249,6 +249,98 @@ fn a_chip_that_fails_is_asked_again_now_and_then_and_does_not_hold_up_the_other(
 }
 
 #[test]
+fn a_lost_gyroscope_is_noticed_though_the_other_chip_keeps_asking_for_runs() {
+    let mut bench = Bench::armed(short_warm_up());
+    bench.milliseconds(6_000, gusty);
+    for step in 0..40u64 {
+        bench.now += 10_000;
+        let now = at_micros(bench.now);
+        let counts = [(step as i16 % 2) * 8000, 0, -8000];
+        let _ = bench.autopilot.on_chip_accel(now, counts, Cause::Threshold);
+        bench.autopilot.on_hyperperiod(now);
+    }
+    assert!(
+        matches!(bench.phase(), Phase::Fallback(_)),
+        "{:?}",
+        bench.phase()
+    );
+    assert_eq!(bench.autopilot.faults(Fault::ImuSilent), 1);
+}
+
+#[test]
+fn without_a_gyroscope_no_torque_is_held() {
+    let mut bench = Bench::armed(short_warm_up());
+    bench.milliseconds(6_000, |_| Some(300));
+    let turning = bench.outputs.last().expect("runs").1;
+    assert!(
+        turning
+            .iter()
+            .any(|share| (share - turning[0]).abs() > 0.01)
+    );
+    bench.milliseconds(500, |_| None);
+    let blind = bench.outputs.last().expect("runs").1;
+    assert!(
+        blind.iter().all(|share| (share - blind[0]).abs() < 1e-6),
+        "{blind:?}"
+    );
+    assert!(blind[0] > 0.3);
+}
+
+#[test]
+fn a_new_flight_does_not_begin_with_the_thrust_of_the_last() {
+    let mut bench = Bench::armed(SETTINGS);
+    bench.milliseconds(100, |_| Some(0));
+    bench.tell(&Message::Arm(false));
+    bench.tell(&Message::Arm(true));
+    bench.milliseconds(10, |_| Some(0));
+    let shares = bench.outputs.last().expect("runs").1;
+    assert!(shares.iter().all(|share| *share < 0.1), "{shares:?}");
+}
+
+#[test]
+fn a_disarm_stops_the_motors_without_waiting_for_a_sample() {
+    let mut bench = Bench::armed(SETTINGS);
+    bench.milliseconds(100, |_| Some(0));
+    let now = at_micros(bench.now);
+    let (next, answer) = bench.autopilot.on_message(now, &Message::Arm(false));
+    assert_eq!((next, answer), (Next::Hyperperiod, Some(Answer::Accepted)));
+    let output = bench.autopilot.on_hyperperiod(now).expect("a run");
+    assert_eq!(output.share(), [0.0; MOTORS]);
+}
+
+#[test]
+fn a_drone_on_its_side_is_not_armed() {
+    let mut bench = Bench::new(SETTINGS);
+    let mut on_its_side = burst(0);
+    (on_its_side[3], on_its_side[4]) = (on_its_side[5], on_its_side[6]);
+    (on_its_side[5], on_its_side[6]) = (0, 0);
+    for _ in 0..1000 {
+        bench.now += 1000;
+        let now = at_micros(bench.now);
+        let _ = bench.autopilot.on_imu(now, &on_its_side);
+        let _ = bench.autopilot.on_hyperperiod(now);
+    }
+    assert_eq!(
+        bench.tell(&Message::Arm(true)),
+        Some(Answer::TemporarilyRejected)
+    );
+}
+
+#[test]
+fn a_gyroscope_lost_on_the_ground_is_calibrated_anew_and_from_the_start() {
+    let mut bench = Bench::new(SETTINGS);
+    bench.milliseconds(1_000, |_| Some(0));
+    bench.milliseconds(500, |_| None);
+    bench.milliseconds(100, |_| Some(0));
+    assert_eq!(
+        bench.tell(&Message::Arm(true)),
+        Some(Answer::TemporarilyRejected)
+    );
+    bench.milliseconds(600, |_| Some(0));
+    assert_eq!(bench.tell(&Message::Arm(true)), Some(Answer::Accepted));
+}
+
+#[test]
 fn periodic_control_runs_at_its_period_and_learns_nothing() {
     let mut bench = Bench::armed(Settings {
         policy: Policy::Periodic(micros(10_000)),

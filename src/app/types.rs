@@ -66,7 +66,7 @@ numbered! {
     Fault {
         /// The MPU6050's bus reported an error, or hung and was recovered.
         ImuBus,
-        /// A sample was due before the one before had been received.
+        /// A sample was due before the one before had been received: a slow or hung bus.
         ImuOverrun,
         /// A burst repeated an old sample.
         ImuStale,
@@ -74,16 +74,16 @@ numbered! {
         ImuConfiguration,
         /// No MPU6050 sample for two failsafe periods.
         ImuSilent,
-        /// The LSM303AGR's bus reported an error.
+        /// An order to the LSM303AGR failed, on the bus or at the read-back.
         ChipBus,
         /// The LSM303AGR's accelerometer did not answer for two failsafe periods.
         AccelSilent,
         /// The LSM303AGR's magnetometer did not answer for two failsafe periods.
         MagSilent,
-        /// A link message found its queue full.
+        /// The link's ring was overtaken: bytes were lost.
         LinkOverrun,
-        /// A bounded queue of bus transactions was full.
-        BusQueue,
+        /// A frame of the link was malformed, cut off or refused.
+        LinkFrame,
     }
 }
 

@@ -2,6 +2,12 @@
 //!
 //! 168 MHz from the 8 MHz crystal: APB1 42 MHz (its timers 84 MHz), APB2 84 MHz. The monotonic
 //! is TIM5 at 1 MHz, extended to 64 bit by its overflow interrupts.
+//!
+//! It is the HAL's, not rtic-monotonics'. Measured on the emulated chip, each with its newest
+//! release: 527 against 806 instructions a wake, 18 against 51 a reading, 2160 bytes less RAM, no
+//! second register crate and no second fugit. And rtic-monotonics 3.0.0 can hang: its period
+//! counter is a spin lock on this core, which a handler above TIM5 that reads the clock, as the
+//! sensors' do, waits for in vain in a window of 95 ns once every 36 minutes.
 
 use embedded_hal::delay::DelayNs;
 use reflex::time::Instant;

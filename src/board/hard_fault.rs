@@ -1,7 +1,7 @@
 //! A HardFault says where it came from, then waits for the watchdog.
 //!
 //! Nothing else would tell it from a drone that fell silent. The motors keep their last command
-//! until the watchdog resets the board, which is within 400 ms.
+//! until the watchdog resets the board, which is within 0.4 s, or 0.75 s where its oscillator is slow.
 
 use core::ops::Range;
 

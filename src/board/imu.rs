@@ -3,6 +3,7 @@
 //! Its samples come by [`super::i2c::Engine`].
 
 use reflex::app::Fault;
+use reflex::config::IMU_RATE;
 use reflex::time::{Duration, Instant, micros, span};
 use reflex_drivers::legacy_hal::Lent;
 use reflex_drivers::mpu6050::{ADDRESS, IDENTITY, ImuConfig, Mpu6050, register};
@@ -11,7 +12,11 @@ use crate::board::clock::Delay;
 use crate::board::i2c::{Bus, Check, Engine, LONGEST_CHECK};
 
 /// What the chip is to hold.
-const CONFIG: ImuConfig = ImuConfig::FLIGHT;
+const CONFIG: ImuConfig = ImuConfig {
+    // The chip divides 1 kHz; the rates that `config/` allows are its whole fractions.
+    rate_divider: (1000 / IMU_RATE - 1) as u8,
+    ..ImuConfig::FLIGHT
+};
 
 /// Without a burst for this long the chip counts as silent.
 const SILENCE: Duration = micros(20_000);

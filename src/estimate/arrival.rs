@@ -42,7 +42,7 @@ impl Arrival {
     /// Filters and sums a sample, its gyroscope bias already removed.
     ///
     /// Stamps that go back or stand still, and steps over 20 ms, are counted and start the
-    /// sums anew at this sample.
+    /// filters anew at this sample; the time between is not integrated.
     pub fn take(&mut self, sample: &ImuSample) {
         let step = self.last.map(|last| seconds(span(last, sample.at)));
         self.last = Some(sample.at);

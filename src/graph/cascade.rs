@@ -64,6 +64,8 @@ pub struct Cascade {
     wanted: Value<BodyRates>,
     torque: Value<TorqueDemand>,
     command: Value<Mixed>,
+    /// No motion is seen: torque demands would only repeat the last one.
+    blind: bool,
     dirty: Dirty,
 }
 
@@ -86,6 +88,7 @@ impl Default for Cascade {
                 shares: [ARMED_MINIMUM; MOTORS],
                 saturated: false,
             }),
+            blind: false,
             // The first propagation computes everything once.
             dirty: Node::Setpoint.mark(),
         }
@@ -112,6 +115,16 @@ impl Cascade {
             self.dirty |= Node::Motion.mark();
         }
         self.dirty |= self.rates.set(rates, Node::Rates.mark());
+    }
+
+    /// Whether motion is no longer seen: then thrust is all that is commanded.
+    ///
+    /// The last torque demand, held for ever, would turn the drone over.
+    pub fn set_blind(&mut self, blind: bool) {
+        if blind != self.blind {
+            self.blind = blind;
+            self.dirty |= Node::Rates.mark();
+        }
     }
 
     /// A new setpoint.
@@ -158,7 +171,11 @@ impl Cascade {
                 dt: motion.dt,
                 saturated: self.command.get().saturated,
             };
-            let torque = self.rate_law.step(&mut self.rate_state, &input);
+            let torque = if self.blind {
+                TorqueDemand::default()
+            } else {
+                self.rate_law.step(&mut self.rate_state, &input)
+            };
             dirty |= self.torque.set(torque, Torque.mark());
         }
         if dirty.any(Torque.mark().or(Setpoint.mark())) {

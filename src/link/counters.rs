@@ -43,6 +43,16 @@ impl LinkCounters {
         lost_sequence: 0,
         garbage_bytes: 0,
     };
+
+    /// Frames that changed nothing because they were malformed, cut off or refused.
+    #[must_use]
+    pub fn spoilt(&self) -> u32 {
+        self.bad_checksum
+            .saturating_add(self.bad_length)
+            .saturating_add(self.bad_flags)
+            .saturating_add(self.truncated)
+            .saturating_add(self.refused_value)
+    }
 }
 
 /// Counts one more.

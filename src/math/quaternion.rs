@@ -57,7 +57,7 @@ impl Quaternion {
 
     /// The attitude of least rotation that brings measured `up` (body axes) to vertical.
     ///
-    /// `up` is the specific force at rest negated in z, of any length but zero.
+    /// `up` is the specific force at rest, which points up, of any length but zero.
     #[must_use]
     pub fn from_up(up: Vec3) -> Option<Self> {
         let length = up.norm();

@@ -76,6 +76,7 @@ impl Labels {
 
     /// Forgets: every weight is multiplied by `share`, within 0 to 1.
     pub fn fade(&mut self, share: f32) {
+        let share = share.max(0.0);
         for bin in &mut self.bins {
             bin.weight *= share;
             bin.changed *= share;

@@ -53,7 +53,6 @@ impl ShadowHolds {
     #[must_use]
     pub fn new(input: &SensorInput) -> Self {
         let ratio = input.largest_change / input.smallest_change;
-        // Rounds of square roots instead of a power: start-up only, and in plain f32.
         let step = libm::powf(ratio, 1.0 / (CANDIDATES as f32 + 1.0));
         let mut threshold = input.smallest_change;
         let mut holds = [Hold::default(); CANDIDATES];

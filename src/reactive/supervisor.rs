@@ -106,7 +106,10 @@ impl Supervisor {
     /// True while labels come from shadow holds.
     #[must_use]
     pub fn is_learning(&self) -> bool {
-        matches!(self.phase, Phase::WarmUp | Phase::Fallback(_))
+        matches!(
+            self.phase,
+            Phase::WarmUp | Phase::Fallback(FallbackReason::Unfit)
+        )
     }
 
     /// Moves; the new phase where it differs.
@@ -131,7 +134,12 @@ impl Supervisor {
             WarmUp::Fixed(length) => (length, length),
         };
         match self.phase {
-            Phase::WarmUp | Phase::Fallback(FallbackReason::Unfit) => {
+            // However long it took: a model is all that was missing.
+            Phase::Fallback(FallbackReason::Unfit) => {
+                let ready = age >= earliest && learned || age >= latest && fitted;
+                ready.then_some(PhaseEvent::Learned)
+            }
+            Phase::WarmUp => {
                 if age >= latest && !fitted {
                     Some(PhaseEvent::TimedOutUnfit)
                 } else if age >= latest {
@@ -209,6 +217,24 @@ mod tests {
             supervisor.judge(false, false, longest),
             Some(PhaseEvent::TimedOutUnfit)
         );
+    }
+
+    #[test]
+    fn a_fallback_for_want_of_a_model_ends_when_there_is_one_however_late() {
+        let fixed = WarmUp::Fixed(micros(1_000_000));
+        for warm_up in [WarmUp::Automatic, fixed] {
+            let mut supervisor = Supervisor::new(Policy::Reactive, warm_up);
+            supervisor.on(PhaseEvent::Armed, at_micros(0));
+            supervisor.on(PhaseEvent::TimedOutUnfit, at_micros(0));
+            let late = at_micros(LONGEST_WARM_UP.ticks() * 10);
+            assert_eq!(supervisor.judge(false, false, late), None);
+            let event = supervisor.judge(false, true, late);
+            assert_eq!(event, Some(PhaseEvent::Learned));
+            assert_eq!(
+                supervisor.on(PhaseEvent::Learned, late),
+                Some(Phase::Reactive)
+            );
+        }
     }
 
     #[test]

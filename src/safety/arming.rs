@@ -32,6 +32,8 @@ pub enum ArmingEvent {
 pub enum Refusal {
     /// Keep the drone still: the gyroscope is being calibrated.
     NotCalibrated,
+    /// Set the drone upright, or check how its sensors are mounted.
+    Tilted,
 }
 
 impl Arming {

@@ -42,7 +42,7 @@ fn check(report: &Report) {
         "imu_bus",
         "imu_overrun",
         "chip_bus",
-        "bus_queue",
+        "link_frame",
         "link_overrun",
     ];
     for counter in unexpected {

@@ -7,6 +7,7 @@
 use embedded_hal::delay::DelayNs;
 use lsm303agr::{AccelOutputDataRate, AccelScale, Lsm303agr, MagMode, MagOutputDataRate};
 use reflex::app::OrderError;
+use reflex::config::{CHIP_ACCEL_RATE, CHIP_MAG_RATE};
 use reflex::sensors::Cause;
 use reflex_drivers::Error;
 use reflex_drivers::lsm303agr::{
@@ -17,10 +18,30 @@ use reflex_drivers::lsm303agr::{
 
 use super::{Chips, Half, Routing, Sample, SpiError, failure};
 
+/// The accelerometer's rate, as the crate and as the register layer name it.
+const ACCEL_RATES: (AccelOutputDataRate, AccelDataRate) = match CHIP_ACCEL_RATE {
+    400 => (AccelOutputDataRate::Hz400, AccelDataRate::Hz400),
+    200 => (AccelOutputDataRate::Hz200, AccelDataRate::Hz200),
+    100 => (AccelOutputDataRate::Hz100, AccelDataRate::Hz100),
+    50 => (AccelOutputDataRate::Hz50, AccelDataRate::Hz50),
+    25 => (AccelOutputDataRate::Hz25, AccelDataRate::Hz25),
+    10 => (AccelOutputDataRate::Hz10, AccelDataRate::Hz10),
+    _ => panic!("the accelerometer of the LSM303AGR has no such rate"),
+};
+
+/// The magnetometer's rate.
+const MAG_RATE: MagOutputDataRate = match CHIP_MAG_RATE {
+    100 => MagOutputDataRate::Hz100,
+    50 => MagOutputDataRate::Hz50,
+    20 => MagOutputDataRate::Hz20,
+    10 => MagOutputDataRate::Hz10,
+    _ => panic!("the magnetometer of the LSM303AGR has no such rate"),
+};
+
 /// What the crate is told to set, checked against the chip.
 const OUTPUT: AccelOutput = AccelOutput {
-    data_rate: AccelDataRate::Hz100,
-    full_scale: AccelFullScale::G4,
+    data_rate: ACCEL_RATES.1,
+    full_scale: AccelFullScale::G2,
     mode: AccelMode::HighResolution,
 };
 
@@ -143,10 +164,10 @@ impl Chips {
             let mut chip = Lsm303agr::new_with_spi(accel, &mut self.mag);
             chip.init()?;
             let mode = lsm303agr::AccelMode::HighResolution;
-            chip.set_accel_mode_and_odr(&mut NoWait, mode, AccelOutputDataRate::Hz100)?;
-            chip.set_accel_scale(AccelScale::G4)?;
+            chip.set_accel_mode_and_odr(&mut NoWait, mode, ACCEL_RATES.0)?;
+            chip.set_accel_scale(AccelScale::G2)?;
             let mode = MagMode::HighResolution;
-            chip.set_mag_mode_and_odr(&mut NoWait, mode, MagOutputDataRate::Hz100)?;
+            chip.set_mag_mode_and_odr(&mut NoWait, mode, MAG_RATE)?;
             let chip = chip.into_mag_continuous();
             chip.map(|_| ()).map_err(|failed| failed.error)
         };
