@@ -91,15 +91,26 @@ pub enum SettingsError {
 
 impl core::fmt::Display for SettingsError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::PRun => "p_run must lie between 0 and 1, both excluded",
-            Self::Failsafe => {
-                "failsafe must be longer than two hyperperiods (2 ms) and at most 1 s"
-            }
-            Self::Quantum => "quantum must be above 0 and at most half of full scale",
-            Self::Period => "the periodic rate must lie between 1 Hz and 1000 Hz",
-            Self::WarmUp => "a fixed warm-up must not be longer than 30 s",
-        })
+        let seconds = |span: Duration| span.ticks() as f64 / 1e6;
+        match self {
+            Self::PRun => f.write_str("p_run must lie between 0 and 1, both excluded"),
+            Self::Failsafe => write!(
+                f,
+                "failsafe must be longer than two hyperperiods ({} s) and at most 1 s",
+                seconds(config::HYPERPERIOD * 2)
+            ),
+            Self::Quantum => f.write_str("quantum must be above 0 and at most half of full scale"),
+            Self::Period => write!(
+                f,
+                "the periodic rate must lie between 1 Hz and {} Hz",
+                1.0 / seconds(config::HYPERPERIOD)
+            ),
+            Self::WarmUp => write!(
+                f,
+                "a fixed warm-up must not be longer than {} s",
+                seconds(config::LONGEST_WARM_UP)
+            ),
+        }
     }
 }
 

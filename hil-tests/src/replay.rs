@@ -22,6 +22,10 @@ mod tests;
 use anyhow::{Context, Result, bail};
 use std::fs::File;
 use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+use reflex::airframe::period_ticks;
+use reflex::settings::{MotorProtocol, WarmUp};
 
 use crate::firmware::Firmware;
 use crate::flights::{Flight, sample_flight};
@@ -30,7 +34,7 @@ use crate::refusal::Refusal;
 use crate::replay_options::ReplayOptions;
 use crate::scoring::{Report, score};
 
-use alignment::Alignment;
+use alignment::{Alignment, TIMER_MHZ};
 use bench::TestBench;
 use observation::Observation;
 use story::Story;
@@ -46,6 +50,7 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
         None => sample_flight()?,
     };
     let flight = Flight::read(&path, options.rotate)?;
+    check(options, &flight, &path)?;
     let defmt = open_defmt(options)?;
     let firmware = Firmware::build(progress)?;
     let mut bench = TestBench::new(&flight, options, &firmware)?;
@@ -54,6 +59,7 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
     bench.run(&mut observation, progress)?;
     let outcome = bench.finish(&mut observation)?;
     observation.check()?;
+    check_motor_period(options.settings.motors, outcome.motor_period_ns)?;
 
     progress.stage("Scoring");
     let alignment = Alignment::of(&observation, options.settings.motors)?;
@@ -82,6 +88,40 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
         about: about.tell(log),
         score,
     })
+}
+
+/// Refuses what only shows once the flight is known.
+fn check(options: &ReplayOptions, flight: &Flight, path: &Path) -> Result<()> {
+    if let WarmUp::Fixed(length) = options.settings.warm_up {
+        let (length, flight) = (length.ticks() as f64 / 1e6, flight.duration_s());
+        if length >= flight {
+            let line = format!(
+                "--warm-up {length}: {} is only {flight:.1} s long, give a shorter one",
+                path.display()
+            );
+            bail!(Refusal::new(line));
+        }
+    }
+    let same = |defmt: &PathBuf| defmt.canonicalize().ok() == path.canonicalize().ok();
+    if options
+        .defmt
+        .as_ref()
+        .is_some_and(|defmt| defmt.exists() && same(defmt))
+    {
+        let line = format!("--defmt {}: that is the flight itself", path.display());
+        bail!(Refusal::new(line));
+    }
+    Ok(())
+}
+
+/// The timers must beat as the protocol says.
+fn check_motor_period(protocol: MotorProtocol, period_ns: Option<u64>) -> Result<()> {
+    let (clocks_per_tick, ticks) = period_ticks(protocol);
+    let wanted_ns = u64::from(clocks_per_tick) * u64::from(ticks) * 1000 / TIMER_MHZ;
+    if period_ns != Some(wanted_ns) {
+        bail!("the motors beat every {period_ns:?} ns, not every {wanted_ns} ns");
+    }
+    Ok(())
 }
 
 fn open_defmt(options: &ReplayOptions) -> Result<Option<BufWriter<File>>> {

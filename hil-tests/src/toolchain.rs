@@ -25,8 +25,13 @@ const KEPT: [&str; 9] = [
     "CARGO_TARGET_DIR",
     "CARGO_TERM_",
 ];
-/// Variables that would replace the link arguments of `.cargo/config.toml`, or the compiler.
-const CONFUSING: [&str; 3] = ["RUSTFLAGS", "RUSTDOCFLAGS", "RUSTC_WORKSPACE_WRAPPER"];
+/// Variables that would replace link arguments and log level of `.cargo/config.toml`, or the compiler.
+const CONFUSING: [&str; 4] = [
+    "RUSTFLAGS",
+    "RUSTDOCFLAGS",
+    "RUSTC_WORKSPACE_WRAPPER",
+    "DEFMT_LOG",
+];
 
 /// The folder of the workspace.
 #[must_use]

@@ -40,10 +40,13 @@ impl<R: Recorder> Autopilot<R> {
             self.calibrate(&sample);
             return Next::Wait;
         };
-        self.arrival.take(&ImuSample {
+        let in_time = self.arrival.take(&ImuSample {
             rates: BodyRates(sample.rates.0 - bias.0),
             ..sample
         });
+        if !in_time {
+            self.count(Fault::ImuJump);
+        }
         if self.supervisor.phase() == Phase::Fallback(FallbackReason::ImuLost) {
             self.move_phase(PhaseEvent::ImuBack);
         }

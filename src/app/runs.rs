@@ -74,7 +74,11 @@ impl<R: Recorder> Autopilot<R> {
             self.graph.reset_integrals();
         }
         let before = *self.gate.applied();
+        let refused = self.gate.refused();
         let output = self.gate.pass(self.arming, self.graph.command());
+        if self.gate.refused() != refused {
+            self.count(Fault::Command);
+        }
         let asked = self.schedule.asked();
         let changed = differs(&before, &output.share(), self.settings.quantum);
         // Without new motion a command cannot change, which teaches nothing about sensors; and

@@ -70,6 +70,8 @@ numbered! {
         ImuOverrun,
         /// A burst repeated an old sample.
         ImuStale,
+        /// A sample's stamp went back, or came over 20 ms behind the one before.
+        ImuJump,
         /// The MPU6050's configuration is not what was written.
         ImuConfiguration,
         /// No MPU6050 sample for two failsafe periods.
@@ -80,6 +82,8 @@ numbered! {
         AccelSilent,
         /// The LSM303AGR's magnetometer did not answer for two failsafe periods.
         MagSilent,
+        /// The control logic came to a command that is not finite: the applied one stayed.
+        Command,
         /// The link's ring was overtaken: bytes were lost.
         LinkOverrun,
         /// A frame of the link was malformed, cut off or refused.

@@ -35,25 +35,22 @@ pub struct Arrival {
     rates: TwoPole,
     force: TwoPole,
     sum: Increment,
-    jumps: u32,
 }
 
 impl Arrival {
     /// Filters and sums a sample, its gyroscope bias already removed.
     ///
-    /// Stamps that go back or stand still, and steps over 20 ms, are counted and start the
-    /// filters anew at this sample; the time between is not integrated.
-    pub fn take(&mut self, sample: &ImuSample) {
+    /// False where the stamp went back or stood still, or came over 20 ms behind the one before:
+    /// then the filters start anew at this sample, and the time between is not integrated.
+    #[must_use]
+    pub fn take(&mut self, sample: &ImuSample) -> bool {
         let step = self.last.map(|last| seconds(span(last, sample.at)));
         self.last = Some(sample.at);
         match step {
             Some(dt) if dt > 0.0 && dt <= LONGEST_STEP => self.advance(sample, dt),
-            Some(_) => {
-                self.jumps = self.jumps.saturating_add(1);
-                self.restart(sample);
-            }
-            None => self.restart(sample),
+            _ => self.restart(sample),
         }
+        step.is_none_or(|dt| dt > 0.0 && dt <= LONGEST_STEP)
     }
 
     fn restart(&mut self, sample: &ImuSample) {
@@ -84,18 +81,6 @@ impl Arrival {
     #[must_use]
     pub fn force(&self) -> SpecificForce {
         SpecificForce(self.force.second)
-    }
-
-    /// When the newest sample was taken.
-    #[must_use]
-    pub fn newest(&self) -> Option<Instant> {
-        self.last
-    }
-
-    /// How often stamps went back or jumped.
-    #[must_use]
-    pub fn jumps(&self) -> u32 {
-        self.jumps
     }
 }
 
@@ -140,7 +125,7 @@ mod tests {
     fn sums_cover_the_time_between_samples_whatever_their_spacing() {
         let mut arrival = Arrival::default();
         for at in [0, 900, 2_100, 3_000, 10_000] {
-            arrival.take(&sample(at, 2.0));
+            assert!(arrival.take(&sample(at, 2.0)));
         }
         let sum = arrival.take_sums();
         assert!((sum.dt - 0.01).abs() < 1e-8);
@@ -151,10 +136,8 @@ mod tests {
     #[test]
     fn a_jump_in_time_is_counted_and_not_integrated() {
         let mut arrival = Arrival::default();
-        for at in [0, 1_000, 500_000, 499_000] {
-            arrival.take(&sample(at, 2.0));
-        }
-        assert_eq!(arrival.jumps(), 2);
+        let good = [0, 1_000, 500_000, 499_000].map(|at| arrival.take(&sample(at, 2.0)));
+        assert_eq!(good, [true, true, false, false]);
         assert!((arrival.take_sums().dt - 0.001).abs() < 1e-8);
     }
 
@@ -164,7 +147,7 @@ mod tests {
         let (mut peak, dt) = (0.0f32, 0.000_1);
         for step in 0..20_000u64 {
             let angle = f64::from(TAU) * f64::from(GYRO_CUTOFF) * step as f64 * dt;
-            arrival.take(&sample(step * 100, angle.sin() as f32));
+            assert!(arrival.take(&sample(step * 100, angle.sin() as f32)));
             if step > 10_000 {
                 peak = peak.max(arrival.rates().0.x);
             }

@@ -97,20 +97,6 @@ pub enum LowPass {
 }
 
 impl LowPass {
-    /// Delay of the gyro through the filter, in microseconds.
-    #[must_use]
-    pub const fn gyro_delay_us(self) -> u32 {
-        match self {
-            Self::Hz256 => 980,
-            Self::Hz188 => 1_900,
-            Self::Hz98 => 2_800,
-            Self::Hz42 => 4_800,
-            Self::Hz20 => 8_300,
-            Self::Hz10 => 13_400,
-            Self::Hz5 => 18_600,
-        }
-    }
-
     /// Rate that the sample-rate divider starts from.
     #[must_use]
     pub const fn gyro_rate(self) -> Hertz {

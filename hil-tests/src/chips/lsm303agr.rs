@@ -63,16 +63,6 @@ impl Lsm303agr {
         self.accel.next_event().min(self.mag.next_event())
     }
 
-    /// Level of pin INT_1_XL.
-    pub fn interrupt_accel(&self) -> bool {
-        self.accel.interrupt()
-    }
-
-    /// Level of pin INT_MAG.
-    pub fn interrupt_mag(&self) -> bool {
-        self.mag.interrupt()
-    }
-
     /// A supply dip at `now_ns`: both dies fall back to their reset values.
     pub fn brown_out(&mut self, now_ns: u64) {
         self.accel.brown_out(now_ns);

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use reflex::app::{Call, ChipOrder, Fault};
+use reflex::app::{Call, ChipOrder, Fault, Reason};
 use reflex::reactive::{Fit, Phase};
 use reflex::sensors::{Cause, Input};
 use reflex::settings::{MotorProtocol, Policy, Reference, WarmUp};
@@ -159,6 +159,7 @@ impl About<'_, '_> {
             interrupts,
             triggers: self
                 .scored_runs()
+                .filter(|run| run.ran.reason == Reason::Trigger)
                 .filter(|run| run.ran.asked >> input as u8 & 1 == 1)
                 .count() as u64,
             state: self.state(fit, present),
@@ -235,6 +236,10 @@ impl About<'_, '_> {
             ("link_bytes_received".into(), link.received),
             ("link_bytes_sent".into(), link.sent),
             ("link_bytes_lost".into(), link.lost),
+            (
+                "unmodelled_registers".into(),
+                self.outcome.unmodelled.len() as u64,
+            ),
             ("log_lines".into(), self.observation.log_lines),
             ("log_errors".into(), self.observation.errors.len() as u64),
             ("log_frames_damaged".into(), self.outcome.damaged_log_frames),

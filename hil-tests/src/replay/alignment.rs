@@ -13,7 +13,7 @@ use super::observation::Observation;
 use crate::board::Line;
 
 /// Timer clocks per microsecond (84 MHz).
-const TIMER_MHZ: f64 = 84.0;
+pub(super) const TIMER_MHZ: u64 = 84;
 
 /// A pulse may be this far from the command, in ns: one tick and rounding.
 const PULSE_SLACK_NS: f64 = 60.0;
@@ -162,7 +162,7 @@ fn surplus(
 
 fn holds(ran: &Ran, pulses: &[u32], protocol: MotorProtocol) -> bool {
     let (clocks_per_tick, _) = period_ticks(protocol);
-    let ns_per_tick = f64::from(clocks_per_tick) * 1e3 / TIMER_MHZ;
+    let ns_per_tick = f64::from(clocks_per_tick) * 1e3 / TIMER_MHZ as f64;
     ran.shares.iter().zip(pulses).all(|(share, pulse)| {
         let wanted = f64::from(ticks(protocol, *share)) * ns_per_tick;
         (wanted - f64::from(*pulse)).abs() <= PULSE_SLACK_NS

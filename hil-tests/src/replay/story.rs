@@ -97,7 +97,14 @@ impl<'c> Story<'c> {
                 Call::Hyperperiod => by_timer = false,
                 Call::Ran(ran) => {
                     self.compare(stamped.at, &ran)?;
-                    self.take_run(&ran, at_us, by_timer, &mut open);
+                    // Only in reactive control does a change that is seen ask for anything.
+                    let asked = ran.asked != 0 && phase == Phase::Reactive;
+                    let run = Run {
+                        reason: ran.reason,
+                        asked,
+                        command: ran.shares,
+                    };
+                    self.take_run(run, at_us, by_timer, &mut open);
                 }
                 _ => {}
             }
@@ -117,15 +124,10 @@ impl<'c> Story<'c> {
         phase
     }
 
-    fn take_run(&mut self, ran: &Ran, at_us: u64, by_timer: bool, open: &mut Option<Open>) {
-        if ran.reason != Reason::Ground && ran.shares != [0.0; MOTORS] {
+    fn take_run(&mut self, run: Run, at_us: u64, by_timer: bool, open: &mut Option<Open>) {
+        if run.reason != Reason::Ground && run.command != [0.0; MOTORS] {
             self.runs_in_the_air += 1;
         }
-        let run = Run {
-            reason: ran.reason,
-            asked: ran.reason == Reason::Trigger,
-            command: ran.shares,
-        };
         match open {
             Some(open) if !by_timer && open.run.is_none() => open.run = Some(run),
             _ => {

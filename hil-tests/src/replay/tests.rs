@@ -34,10 +34,10 @@ fn check(report: &Report) {
     assert!(control.runs < report.score.hyperperiods, "{}", about.log);
     let gyro = &about.sensors[0];
     assert_eq!(gyro.state, ModelState::Fit, "{}", about.log);
-    let whole_way = about.latency_parts_us.last().and_then(|part| part.micros);
-    if let Some(micros) = whole_way {
-        assert!(micros.max < 900.0, "{}: {micros:?}", about.log);
-    }
+    let whole_way = about.latency_parts_us.last().expect("parts");
+    let micros = whole_way.micros.expect("runs that the gyro asked for");
+    assert!(micros.max < 900.0, "{}: {micros:?}", about.log);
+    assert_eq!(micros.count, gyro.triggers, "{}: runs unmatched", about.log);
     let unexpected = [
         "imu_bus",
         "imu_overrun",
@@ -63,6 +63,12 @@ fn the_flight_that_comes_with_the_crates_is_flown_reactively() {
         .map(|sensor| sensor.chip_thresholds_set)
         .sum();
     assert!(set > 0, "no threshold reached a chip");
+    let crossings = report
+        .about
+        .sensors
+        .iter()
+        .map(|sensor| sensor.chip_crossings);
+    assert!(crossings.sum::<u64>() > 0, "no chip ever compared");
 }
 
 fn check_recording(name: &str) {
@@ -145,6 +151,13 @@ fn periodic_control_runs_at_its_rate_and_asks_no_model() {
     ));
     let control = &report.score.section.control;
     assert_eq!(control.by_reason.trigger, 0);
+    assert!(
+        report
+            .about
+            .sensors
+            .iter()
+            .all(|sensor| sensor.triggers == 0)
+    );
     let rate = control.by_reason.periodic as f64 / 5.0;
     assert!((rate - 250.0).abs() < 2.5, "{rate} Hz");
 }

@@ -42,7 +42,7 @@ pub struct About {
     pub latency_parts_us: Vec<LatencyPart>,
     /// Load of the processor after warm-up.
     pub cpu: Cpu,
-    /// Times of the emulated board and of the replay.
+    /// Times of the emulated board.
     pub board: BoardTime,
     /// Everything that was counted by name: faults, dropped frames, fallbacks.
     pub counters: BTreeMap<String, u64>,
@@ -195,7 +195,7 @@ pub struct Cpu {
     pub instructions_per_run: Option<f64>,
 }
 
-/// How long the board and the host took.
+/// How long the board took, in its own time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct BoardTime {
     /// Virtual seconds that the board ran, start-up included.

@@ -14,9 +14,10 @@ use super::wiring;
 use crate::board::{Elf, FaultKind, Options};
 
 /// Where no memory and no register is: a bus error on silicon.
-pub(super) const HOLES: [Range<u64>; 5] = [
+pub(super) const HOLES: [Range<u64>; 6] = [
     0x0820_0000..0x1000_0000,
-    0x1001_0000..0x2000_0000,
+    0x1001_0000..0x1FFE_C000,
+    0x1FFF_C010..0x2000_0000,
     0x2003_0000..0x2200_0000,
     0x2400_0000..0x4000_0000,
     0x6000_0000..0xE000_0000,

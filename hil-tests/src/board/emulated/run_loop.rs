@@ -66,10 +66,9 @@ impl RunLoop {
             .watches
             .iter()
             .map(|name| Ok(u64::from(elf.code(name)?)));
-        let fatal = FATAL.into_iter().filter_map(|(name, fault)| {
-            let address = elf.code(name).ok()?;
-            Some((u64::from(address), fault))
-        });
+        let fatal = FATAL
+            .into_iter()
+            .map(|(name, fault)| Ok((u64::from(elf.code(name)?), fault)));
         Ok(Self {
             commands,
             messages,
@@ -77,7 +76,7 @@ impl RunLoop {
             settings: settings.transpose()?,
             stack: elf.stack()?,
             watches: watches.collect::<Result<_>>()?,
-            fatal: fatal.collect(),
+            fatal: fatal.collect::<Result<_>>()?,
             calls: CallLog::new(elf.symbol(CALLS_SYMBOL)?),
             log: RttLog::new(elf.symbol("_SEGGER_RTT")?),
             motors: VectorGatherer::default(),

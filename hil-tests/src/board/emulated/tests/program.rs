@@ -8,8 +8,12 @@ const FLASH: u32 = 0x0800_0000;
 const VECTORS: u32 = 0x40;
 /// Where every fault goes: a branch to itself, in front of the program.
 const HANDLER: u32 = FLASH + VECTORS;
+/// Where every other exception goes: another one.
+const UNHANDLED: u32 = HANDLER + 4;
 /// First instruction of the program, at a word boundary.
-const CODE: u32 = HANDLER + 4;
+const CODE: u32 = UNHANDLED + 4;
+/// Number of the first exception that is no fault.
+const SVCALL: u32 = 11;
 /// Top and bottom of the stack.
 pub(super) const STACK: std::ops::Range<u32> = 0x2000_1000..0x2000_1400;
 /// Where the call log and the settings lie.
@@ -64,10 +68,20 @@ pub(super) fn assembled(code: &[u16], words: &[u32]) -> Elf {
     let mut image = Vec::new();
     image.extend(STACK.end.to_le_bytes());
     image.extend((CODE | 1).to_le_bytes());
-    for _ in 2..VECTORS / 4 {
-        image.extend((HANDLER | 1).to_le_bytes());
+    for exception in 2..VECTORS / 4 {
+        let handler = if exception < SVCALL {
+            HANDLER
+        } else {
+            UNHANDLED
+        };
+        image.extend((handler | 1).to_le_bytes());
     }
-    image.extend(SPIN.iter().chain(code).flat_map(|half| half.to_le_bytes()));
+    image.extend(
+        SPIN.iter()
+            .chain(&SPIN)
+            .chain(code)
+            .flat_map(|half| half.to_le_bytes()),
+    );
     image.extend(words.iter().flat_map(|word| word.to_le_bytes()));
     Elf::parse(linked(&image)).unwrap()
 }
@@ -76,13 +90,14 @@ pub(super) fn assembled(code: &[u16], words: &[u32]) -> Elf {
 const ABSOLUTE: u16 = 0xFFF1;
 const STRINGS: u16 = 2;
 
-const SYMBOLS: [(&str, u32, u16); 10] = [
+const SYMBOLS: [(&str, u32, u16); 11] = [
     ("_stack_start", STACK.end, ABSOLUTE),
     ("_stack_end", STACK.start, ABSOLUTE),
     ("REFLEX_CALLS", CALLS, ABSOLUTE),
     ("REFLEX_SETTINGS", SETTINGS, ABSOLUTE),
     ("_SEGGER_RTT", RTT, ABSOLUTE),
     ("HardFault", HANDLER | 1, ABSOLUTE),
+    ("DefaultHandler_", UNHANDLED | 1, ABSOLUTE),
     ("_defmt_version_ = 4", 0, ABSOLUTE),
     ("_defmt_encoding_ = rzcobs", 0, ABSOLUTE),
     (

@@ -197,6 +197,13 @@ fn an_undefined_instruction_is_a_hard_fault() {
 }
 
 #[test]
+fn an_interrupt_that_nobody_handles_is_named() {
+    // SysTick: reload, counter, and on with its interrupt.
+    let tick = [(0xE000_E014, 1000), (0xE000_E018, 0), (0xE000_E010, 7)];
+    assert_eq!(fault_of(writing(&tick)), FaultKind::UnhandledInterrupt);
+}
+
+#[test]
 fn a_bad_pointer_is_a_hard_fault_that_names_the_address() {
     let fault = fault_of(writing(&[(0x3000_0000, 1)])).to_string();
     assert!(
