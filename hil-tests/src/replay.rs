@@ -15,6 +15,7 @@ mod alignment;
 mod bench;
 mod latency;
 mod observation;
+mod sense;
 mod story;
 #[cfg(test)]
 mod tests;
@@ -22,10 +23,9 @@ mod tests;
 use anyhow::{Context, Result, bail};
 use std::fs::File;
 use std::io::BufWriter;
-use std::path::{Path, PathBuf};
 
 use reflex::airframe::period_ticks;
-use reflex::settings::{MotorProtocol, WarmUp};
+use reflex::settings::MotorProtocol;
 
 use crate::firmware::Firmware;
 use crate::flights::{Flight, sample_flight};
@@ -50,11 +50,11 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
         None => sample_flight()?,
     };
     let flight = Flight::read(&path, options.rotate)?;
-    check(options, &flight, &path)?;
+    sense::check(options, &flight, &path)?;
     let defmt = open_defmt(options)?;
     let firmware = Firmware::build(progress)?;
     let mut bench = TestBench::new(&flight, options, &firmware)?;
-    let mut observation = Observation::new(defmt);
+    let mut observation = Observation::new(defmt, options.defmt.clone());
     progress.stage(&format!("Replaying {}", path.display()));
     bench.run(&mut observation, progress)?;
     let outcome = bench.finish(&mut observation)?;
@@ -66,7 +66,10 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
     let start_us = alignment.clock_us(bench.flight_start_ns());
     let story = Story::tell(&observation.calls, options.settings, start_us)?;
     if story.runs_in_the_air == 0 {
-        bail!("the firmware never armed: see its log with --defmt FILE");
+        bail!(
+            "{}: the firmware never armed: see its log with --defmt FILE",
+            path.display()
+        );
     }
     let rules = story.rules();
     let score = score(&story.flight, &rules, |rate_hz| story.fly_periodic(rate_hz));
@@ -88,30 +91,6 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
         about: about.tell(log),
         score,
     })
-}
-
-/// Refuses what only shows once the flight is known.
-fn check(options: &ReplayOptions, flight: &Flight, path: &Path) -> Result<()> {
-    if let WarmUp::Fixed(length) = options.settings.warm_up {
-        let (length, flight) = (length.ticks() as f64 / 1e6, flight.duration_s());
-        if length >= flight {
-            let line = format!(
-                "--warm-up {length}: {} is only {flight:.1} s long, give a shorter one",
-                path.display()
-            );
-            bail!(Refusal::new(line));
-        }
-    }
-    let same = |defmt: &PathBuf| defmt.canonicalize().ok() == path.canonicalize().ok();
-    if options
-        .defmt
-        .as_ref()
-        .is_some_and(|defmt| defmt.exists() && same(defmt))
-    {
-        let line = format!("--defmt {}: that is the flight itself", path.display());
-        bail!(Refusal::new(line));
-    }
-    Ok(())
 }
 
 /// The timers must beat as the protocol says.

@@ -1,5 +1,7 @@
 //! Progress as a person sees it: a bar on a terminal, a few lines elsewhere.
 
+use std::io::Write;
+
 use std::io::IsTerminal;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -43,7 +45,7 @@ impl Progress for Bar {
                 .with_message(name.to_owned());
             self.bar.tick();
         } else {
-            eprintln!("{name}");
+            say(&format!("{name}\n"));
         }
     }
 
@@ -61,14 +63,19 @@ impl Progress for Bar {
             self.bar.set_position(parts);
         } else if parts >= self.spoken + SPOKEN {
             self.spoken = parts - parts % SPOKEN;
-            eprintln!("  {} %", self.spoken * 100 / PARTS);
+            say(&format!("  {} %\n", self.spoken * 100 / PARTS));
         }
     }
 
     fn output(&mut self, text: &str) {
         self.finish();
-        eprint!("{text}");
+        say(text);
     }
+}
+
+/// Progress is best effort: where nobody can hear it, the work goes on.
+fn say(text: &str) {
+    let _ = std::io::stderr().write_all(text.as_bytes());
 }
 
 fn spinner() -> ProgressStyle {

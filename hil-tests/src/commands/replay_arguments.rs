@@ -216,6 +216,10 @@ fn fastest_rate() -> f64 {
     1.0 / seconds(config::HYPERPERIOD)
 }
 
+fn milliseconds(span: Duration) -> f64 {
+    span.ticks() as f64 / 1e3
+}
+
 fn seconds(span: Duration) -> f64 {
     span.ticks() as f64 * 1e-6
 }
@@ -234,11 +238,13 @@ fn option_of(error: SettingsError) -> &'static str {
 /// Periodic control slower than the failsafe would be the failsafe's.
 fn check_period(settings: &Settings) -> Result<(), Refusal> {
     match settings.policy {
-        Policy::Periodic(period) if period > settings.failsafe => Err(Refusal::new(format!(
-            "--rate: a run every {} s is rarer than the failsafe's, every {} s; raise one of them",
-            seconds(period),
-            seconds(settings.failsafe)
-        ))),
+        Policy::Periodic(period) if period + config::HYPERPERIOD > settings.failsafe => {
+            Err(Refusal::new(format!(
+                "--rate: a run every {} ms leaves the failsafe, every {} ms, no room; raise one of them",
+                milliseconds(period),
+                milliseconds(settings.failsafe)
+            )))
+        }
         _ => Ok(()),
     }
 }

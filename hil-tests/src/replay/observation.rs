@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use reflex::app::{DecodeError, Stamped};
@@ -20,6 +21,7 @@ pub(super) struct Observation {
     undecoded: Vec<u8>,
     broken: Option<String>,
     defmt: Option<BufWriter<File>>,
+    path: PathBuf,
     write_error: Option<std::io::Error>,
     /// Lines of the firmware's log at the level `error`.
     pub(super) errors: Vec<String>,
@@ -27,7 +29,8 @@ pub(super) struct Observation {
 }
 
 impl Observation {
-    pub(super) fn new(defmt: Option<BufWriter<File>>) -> Self {
+    /// The decoded log goes to `defmt`, a file of the name `path`.
+    pub(super) fn new(defmt: Option<BufWriter<File>>, path: Option<PathBuf>) -> Self {
         Self {
             motors: Vec::new(),
             edges: Default::default(),
@@ -36,6 +39,7 @@ impl Observation {
             undecoded: Vec::new(),
             broken: None,
             defmt,
+            path: path.unwrap_or_default(),
             write_error: None,
             errors: Vec::new(),
             log_lines: 0,
@@ -44,13 +48,15 @@ impl Observation {
 
     /// Writes out what is buffered of the decoded log.
     pub(super) fn flush(&mut self) -> Result<()> {
+        let path = &self.path;
+        let told = || format!("--defmt {}: cannot be written", path.display());
         if let Some(error) = self.write_error.take() {
-            return Err(error).context("the decoded log cannot be written");
+            return Err(error).with_context(told);
         }
-        if let Some(defmt) = &mut self.defmt {
-            defmt.flush().context("the decoded log cannot be written")?;
+        match &mut self.defmt {
+            Some(defmt) => defmt.flush().with_context(told),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// Fails where the call log was not what the firmware's library writes.

@@ -42,6 +42,16 @@ impl Recorder for LastRan {
     }
 }
 
+/// The command that the motors held at an instant of the firmware's clock.
+fn held_at(calls: &[Stamped], at_us: u64) -> Command {
+    let before = calls.iter().filter(|stamped| stamped.at.ticks() < at_us);
+    let runs = before.filter_map(|stamped| match stamped.call {
+        Call::Ran(ran) => Some(ran.shares),
+        _ => None,
+    });
+    runs.last().unwrap_or([0.0; MOTORS])
+}
+
 /// The hyperperiod that a gating sample has ended and the next one will close.
 struct Open {
     at_us: u64,
@@ -56,7 +66,7 @@ impl<'c> Story<'c> {
             calls,
             settings,
             start_us,
-            flight: Flight::new(start_us, [0.0; MOTORS]),
+            flight: Flight::new(start_us, held_at(calls, start_us)),
             ends: Vec::new(),
             mirror: Autopilot::new(settings, LastRan::default()),
             runs_in_the_air: 0,

@@ -24,7 +24,8 @@ const SENSELESS: &str = "
 --policy periodic --rate 1000.5 | must be 1 to 1000 Hz
 --policy periodic --rate inf | must be a finite number
 --policy periodic --rate nan | must be a finite number
---policy periodic --rate 5 | rarer than the failsafe's
+--policy periodic --rate 5 | leaves the failsafe, every 100 ms, no room
+--policy periodic --rate 10 | leaves the failsafe, every 100 ms, no room
 --p-run 0 | --p-run: p_run must lie between 0 and 1
 --p-run 1 | --p-run:
 --p-run -0.1 | --p-run:
