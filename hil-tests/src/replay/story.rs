@@ -44,12 +44,15 @@ impl Recorder for LastRan {
 
 /// The command that the motors held at an instant of the firmware's clock.
 fn held_at(calls: &[Stamped], at_us: u64) -> Command {
-    let before = calls.iter().filter(|stamped| stamped.at.ticks() < at_us);
-    let runs = before.filter_map(|stamped| match stamped.call {
+    let before = calls
+        .iter()
+        .rev()
+        .filter(|stamped| stamped.at.ticks() < at_us);
+    let mut runs = before.filter_map(|stamped| match stamped.call {
         Call::Ran(ran) => Some(ran.shares),
         _ => None,
     });
-    runs.last().unwrap_or([0.0; MOTORS])
+    runs.next().unwrap_or([0.0; MOTORS])
 }
 
 /// The hyperperiod that a gating sample has ended and the next one will close.

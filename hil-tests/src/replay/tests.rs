@@ -136,7 +136,7 @@ fn another_seed_is_another_flight() {
         ..Settings::default()
     };
     let digests =
-        [Settings::default(), other].map(|settings| fly(&seconds(2.0, settings)).about.digest);
+        [Settings::default(), other].map(|settings| fly(&seconds(4.0, settings)).about.digest);
     assert_ne!(digests[0], digests[1]);
 }
 
