@@ -23,6 +23,7 @@ pub mod mpu6050;
 pub mod noise;
 pub mod options;
 pub mod oscillator;
+pub mod register_file;
 pub mod stimulus;
 #[cfg(test)]
 mod testing;

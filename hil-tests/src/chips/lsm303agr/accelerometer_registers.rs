@@ -4,6 +4,8 @@
 //! those ST publishes in its register driver (lsm303agr-pid); the high-pass
 //! corners are the family's table (AN4825, like AN3308 for the LIS3DH).
 
+use crate::chips::register_file::{Map, RegisterFile};
+
 pub const STATUS_REG_AUX_A: u8 = 0x07;
 pub const OUT_TEMP_L_A: u8 = 0x0C;
 pub const OUT_TEMP_H_A: u8 = 0x0D;
@@ -60,57 +62,38 @@ const CORNERS: [[f64; 4]; 9] = [
     [100.0, 50.0, 25.0, 12.0],
 ];
 
-/// The registers of the die that a master writes.
+/// The map of the accelerometer's die.
 #[derive(Clone, Debug)]
-pub struct Registers {
-    bytes: [u8; 64],
-}
+pub struct AccelerometerMap;
 
-impl Registers {
-    /// Values after power-on: powered down with all axes enabled.
-    pub fn at_reset() -> Self {
-        let mut bytes = [0; 64];
-        bytes[usize::from(WHO_AM_I_A)] = IDENTITY;
-        bytes[usize::from(CTRL_REG1_A)] = 0x07;
-        // No FIFO is modelled: it is always empty.
-        bytes[usize::from(FIFO_SRC_REG_A)] = 0x20;
-        Self { bytes }
-    }
+/// The registers that a master sees.
+pub type Registers = RegisterFile<AccelerometerMap>;
 
-    /// The stored byte.
-    pub fn get(&self, address: u8) -> u8 {
-        self.bytes[usize::from(address & 0x3F)]
-    }
+impl Map for AccelerometerMap {
+    const ADDRESSES: u8 = 0x3F;
 
-    /// Stores what a master may change; the rest of the byte keeps its value.
-    pub fn write(&mut self, address: u8, value: u8) {
-        let address = address & 0x3F;
-        let mask = writable(address);
-        let byte = &mut self.bytes[usize::from(address)];
-        *byte = (*byte & !mask) | (value & mask);
-    }
+    /// Powered down with all axes enabled. No FIFO is modelled: it is always empty.
+    const AT_RESET: &'static [(u8, u8)] = &[
+        (WHO_AM_I_A, IDENTITY),
+        (CTRL_REG1_A, 0x07),
+        (FIFO_SRC_REG_A, 0x20),
+    ];
 
-    /// Whether a bit is set.
-    pub fn has(&self, address: u8, bit: u8) -> bool {
-        self.get(address) & bit != 0
-    }
-}
-
-/// Bits a master can write; zero for what is read-only or reserved.
-fn writable(address: u8) -> u8 {
-    match address {
-        TEMP_CFG_REG_A => 0xC0,
-        CTRL_REG1_A | CTRL_REG2_A | CTRL_REG4_A | REFERENCE_A => 0xFF,
-        CTRL_REG3_A => 0xFE,
-        CTRL_REG5_A => 0x4F,
-        CTRL_REG6_A => 0xFA,
-        FIFO_CTRL_REG_A | INT1_CFG_A | INT2_CFG_A => 0xFF,
-        INT1_THS_A | INT1_DURATION_A | INT2_THS_A | INT2_DURATION_A => 0x7F,
-        // Click and activity: stored only.
-        0x38 => 0x3F,
-        0x3A | 0x3B | 0x3E => 0x7F,
-        0x3C | 0x3D | 0x3F => 0xFF,
-        _ => 0,
+    fn writable(address: u8) -> u8 {
+        match address {
+            TEMP_CFG_REG_A => 0xC0,
+            CTRL_REG1_A | CTRL_REG2_A | CTRL_REG4_A | REFERENCE_A => 0xFF,
+            CTRL_REG3_A => 0xFE,
+            CTRL_REG5_A => 0x4F,
+            CTRL_REG6_A => 0xFA,
+            FIFO_CTRL_REG_A | INT1_CFG_A | INT2_CFG_A => 0xFF,
+            INT1_THS_A | INT1_DURATION_A | INT2_THS_A | INT2_DURATION_A => 0x7F,
+            // Click and activity: stored only.
+            0x38 => 0x3F,
+            0x3A | 0x3B | 0x3E => 0x7F,
+            0x3C | 0x3D | 0x3F => 0xFF,
+            _ => 0,
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Register map of the magnetometer die and what its configuration means.
 
+use crate::chips::register_file::{Map, RegisterFile};
+
 pub const OFFSET_X_REG_L_M: u8 = 0x45;
 pub const OFFSET_Z_REG_H_M: u8 = 0x4A;
 pub const WHO_AM_I_M: u8 = 0x4F;
@@ -24,43 +26,41 @@ pub const SOFT_RESET: u8 = 0x20;
 /// CFG_REG_A_M: the mode bits of idle, where a single measurement ends too.
 const IDLE: u8 = 0x03;
 
-/// The registers of the die that a master writes.
+/// The map of the magnetometer's die.
 #[derive(Clone, Debug)]
-pub struct Registers {
-    bytes: [u8; 128],
+pub struct MagnetometerMap;
+
+/// The registers that a master sees.
+pub type Registers = RegisterFile<MagnetometerMap>;
+
+impl Map for MagnetometerMap {
+    const ADDRESSES: u8 = 0x7F;
+
+    /// Idle.
+    const AT_RESET: &'static [(u8, u8)] = &[
+        (WHO_AM_I_M, IDENTITY),
+        (CFG_REG_A_M, IDLE),
+        (INT_CTRL_REG_M, 0xE0),
+    ];
+
+    fn writable(address: u8) -> u8 {
+        match address {
+            OFFSET_X_REG_L_M..=OFFSET_Z_REG_H_M => 0xFF,
+            // SOFT_RST and REBOOT (a reload of the trimming) clear themselves.
+            CFG_REG_A_M => 0x9F,
+            CFG_REG_B_M => 0x1F,
+            CFG_REG_C_M => 0x7F,
+            INT_CTRL_REG_M => 0xE7,
+            INT_THS_L_REG_M | INT_THS_H_REG_M => 0xFF,
+            _ => 0,
+        }
+    }
 }
 
 impl Registers {
-    /// Values after power-on and after a soft reset: idle.
-    pub fn at_reset() -> Self {
-        let mut bytes = [0; 128];
-        bytes[usize::from(WHO_AM_I_M)] = IDENTITY;
-        bytes[usize::from(CFG_REG_A_M)] = IDLE;
-        bytes[usize::from(INT_CTRL_REG_M)] = 0xE0;
-        Self { bytes }
-    }
-
-    /// The stored byte.
-    pub fn get(&self, address: u8) -> u8 {
-        self.bytes[usize::from(address & 0x7F)]
-    }
-
-    /// Stores what a master may change; the rest of the byte keeps its value.
-    pub fn write(&mut self, address: u8, value: u8) {
-        let address = address & 0x7F;
-        let mask = writable(address);
-        let byte = &mut self.bytes[usize::from(address)];
-        *byte = (*byte & !mask) | (value & mask);
-    }
-
-    /// Whether a bit is set.
-    pub fn has(&self, address: u8, bit: u8) -> bool {
-        self.get(address) & bit != 0
-    }
-
     /// What follows a single measurement: idle.
     pub fn fall_idle(&mut self) {
-        self.bytes[usize::from(CFG_REG_A_M)] |= IDLE;
+        self.put(CFG_REG_A_M, self.get(CFG_REG_A_M) | IDLE);
     }
 
     /// The hard-iron offsets in counts.
@@ -74,20 +74,6 @@ impl Registers {
     /// The threshold in counts.
     pub fn threshold(&self) -> u16 {
         u16::from_le_bytes([self.get(INT_THS_L_REG_M), self.get(INT_THS_H_REG_M)])
-    }
-}
-
-/// Bits a master can write; zero for what is read-only or reserved.
-fn writable(address: u8) -> u8 {
-    match address {
-        OFFSET_X_REG_L_M..=OFFSET_Z_REG_H_M => 0xFF,
-        // SOFT_RST and REBOOT (a reload of the trimming) clear themselves.
-        CFG_REG_A_M => 0x9F,
-        CFG_REG_B_M => 0x1F,
-        CFG_REG_C_M => 0x7F,
-        INT_CTRL_REG_M => 0xE7,
-        INT_THS_L_REG_M | INT_THS_H_REG_M => 0xFF,
-        _ => 0,
     }
 }
 

@@ -3,6 +3,8 @@
 //! Source: RM-MPU-6000A rev. 4.2, and rev. 3.2 for the motion detector, whose
 //! bits later revisions hide (ACCEL_HPF, MOT_DUR, MOT_DETECT_CTRL and STATUS).
 
+use crate::chips::register_file::{Map, RegisterFile};
+
 pub const SMPLRT_DIV: u8 = 0x19;
 pub const CONFIG: u8 = 0x1A;
 pub const GYRO_CONFIG: u8 = 0x1B;
@@ -33,57 +35,36 @@ const SLEEP: u8 = 0x40;
 const DEVICE_RESET: u8 = 0x80;
 const SIGNAL_RESET: u8 = 0x01;
 
-/// The registers that a master writes, with reset values and write masks.
+/// The map of the MPU6050, as far as it is modelled.
 #[derive(Clone, Debug)]
-pub struct Registers {
-    bytes: [u8; 128],
-}
+pub struct Mpu6050Map;
 
-impl Registers {
-    /// Values after power-on and after a device reset: asleep.
-    pub fn at_reset() -> Self {
-        let mut bytes = [0; 128];
-        bytes[usize::from(PWR_MGMT_1)] = SLEEP;
-        bytes[usize::from(WHO_AM_I)] = IDENTITY;
-        Self { bytes }
-    }
+/// The registers that a master sees.
+pub type Registers = RegisterFile<Mpu6050Map>;
 
-    /// The stored byte.
-    pub fn get(&self, address: u8) -> u8 {
-        self.bytes[usize::from(address & 0x7F)]
-    }
+impl Map for Mpu6050Map {
+    const ADDRESSES: u8 = 0x7F;
 
-    /// Stores what a master may change; the rest of the byte keeps its value.
-    pub fn write(&mut self, address: u8, value: u8) {
-        let address = address & 0x7F;
-        let mask = writable(address);
-        let byte = &mut self.bytes[usize::from(address)];
-        *byte = (*byte & !mask) | (value & mask);
-    }
+    /// Asleep.
+    const AT_RESET: &'static [(u8, u8)] = &[(PWR_MGMT_1, SLEEP), (WHO_AM_I, IDENTITY)];
 
-    /// Whether a bit is set.
-    pub fn has(&self, address: u8, bit: u8) -> bool {
-        self.get(address) & bit != 0
-    }
-}
-
-/// Bits a master can write; zero for what is read-only or not in the map.
-fn writable(address: u8) -> u8 {
-    match address {
-        0x0D..=0x19 | 0x1D..=0x35 => 0xFF,
-        CONFIG => 0x3F,
-        GYRO_CONFIG => 0xF8,
-        ACCEL_CONFIG => 0xFF,
-        INT_PIN_CFG => 0xFE,
-        INT_ENABLE => 0xF9,
-        0x63..=0x67 => 0xFF,
-        // SIGNAL_PATH_RESET and the reset bits of the others clear themselves.
-        MOT_DETECT_CTRL => 0x3F,
-        USER_CTRL => 0xF0,
-        PWR_MGMT_1 => 0x6F,
-        PWR_MGMT_2 => 0xFF,
-        0x6D..=0x71 => 0xFF,
-        _ => 0,
+    fn writable(address: u8) -> u8 {
+        match address {
+            0x0D..=0x19 | 0x1D..=0x35 => 0xFF,
+            CONFIG => 0x3F,
+            GYRO_CONFIG => 0xF8,
+            ACCEL_CONFIG => 0xFF,
+            INT_PIN_CFG => 0xFE,
+            INT_ENABLE => 0xF9,
+            0x63..=0x67 => 0xFF,
+            // SIGNAL_PATH_RESET and the reset bits of the others clear themselves.
+            MOT_DETECT_CTRL => 0x3F,
+            USER_CTRL => 0xF0,
+            PWR_MGMT_1 => 0x6F,
+            PWR_MGMT_2 => 0xFF,
+            0x6D..=0x71 => 0xFF,
+            _ => 0,
+        }
     }
 }
 
