@@ -133,12 +133,6 @@ impl<R: Recorder> Autopilot<R> {
         self.events.pop()
     }
 
-    /// The settings in force.
-    #[must_use]
-    pub fn settings(&self) -> &Settings {
-        &self.settings
-    }
-
     /// The newest position from outside.
     #[must_use]
     pub fn pose(&self) -> Option<&ExternalPose> {

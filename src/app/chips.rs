@@ -180,7 +180,6 @@ impl Chips {
 impl<R: Recorder> Autopilot<R> {
     /// The next order for the LSM303AGR, where one is due; the board reports when it is done.
     pub fn next_order(&mut self) -> Option<ChipOrder> {
-        self.want_thresholds();
         let (now, failsafe) = (self.clock, self.settings.failsafe);
         if let Some(need) = self.chips.accel.need(now, CHIP_ACCEL.period, failsafe) {
             return Some(match need {

@@ -7,7 +7,6 @@ use crate::config::{
     STABLE_CHANGE,
 };
 use crate::control::Setpoint;
-use crate::math::Vec3;
 use crate::reactive::{
     Exploration, Fit, Held, Labels, Logistic, Phase, Refit, RefitJob, Rule, ShadowHolds, Trigger,
 };
@@ -246,11 +245,5 @@ impl<R: Recorder> Autopilot<R> {
     #[must_use]
     pub fn fit(&self, input: Input) -> Fit {
         self.learners.look(input).trigger.fit()
-    }
-
-    /// The newest filtered sample of an input.
-    #[must_use]
-    pub fn newest(&self, input: Input) -> Option<Vec3> {
-        self.learners.look(input).trigger.newest()
     }
 }

@@ -56,6 +56,7 @@ impl<R: Recorder> Autopilot<R> {
             self.events.push(Event::Phase(phase));
             self.learners.restart_holds();
             self.chips.retry();
+            self.want_thresholds();
         }
     }
 
