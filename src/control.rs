@@ -8,6 +8,6 @@ mod attitude_law;
 mod rate_law;
 mod setpoint;
 
-pub use attitude_law::AttitudeLaw;
+pub use attitude_law::{AttitudeLaw, Wanted};
 pub use rate_law::{RateInput, RateLaw, RateState};
 pub use setpoint::{Setpoint, Yaw};

@@ -4,6 +4,6 @@ mod arrival;
 mod attitude;
 mod calibration;
 
-pub use arrival::{Arrival, Increment};
+pub use arrival::{Arrival, Increment, Motion, Rotation};
 pub use attitude::AttitudeFilter;
 pub use calibration::{AtRest, GyroCalibration};

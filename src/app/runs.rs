@@ -66,10 +66,9 @@ impl<R: Recorder> Autopilot<R> {
         self.check_setpoint(now);
         let blind = self.supervisor.phase() == Phase::Fallback(FallbackReason::ImuLost);
         self.graph.set_blind(blind);
-        let motion = self.arrival.take_sums();
+        let motion = self.arrival.take_motion();
         let heading_error = self.heading_error(now);
-        self.graph
-            .set_motion(motion, self.arrival.rates(), heading_error);
+        self.graph.set_motion(&motion, heading_error);
         self.graph.propagate();
         if self.arming != Arming::Armed {
             self.graph.reset_integrals();
@@ -84,7 +83,7 @@ impl<R: Recorder> Autopilot<R> {
         let changed = differs(&before, &output.share(), self.settings.quantum);
         // Without new motion a command cannot change, which teaches nothing about sensors; and
         // a setpoint that moved may have changed it whatever they said.
-        if motion.dt > 0.0 && !self.schedule.is_asked_by_setpoint() {
+        if motion.sums.dt > 0.0 && !self.schedule.is_asked_by_setpoint() {
             self.learn(now, reason, asked, changed);
         }
         self.schedule.on_run(now);

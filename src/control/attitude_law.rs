@@ -25,19 +25,49 @@ impl Default for AttitudeLaw {
     }
 }
 
+/// What the outer loop asks for, and how that moves as the body turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wanted {
+    /// Desired body rates.
+    pub rates: BodyRates,
+    /// By how much they fall per rad turned, 1/s, about each axis; zero where the loop is
+    /// limited or does not act.
+    pub stiffness: Vec3,
+}
+
+impl Wanted {
+    /// The desired rates after a small turn of the body (rad), to first order.
+    #[must_use]
+    pub fn after_turn(&self, turned: Vec3) -> BodyRates {
+        BodyRates(self.rates.0 - turned.scale(self.stiffness))
+    }
+}
+
 impl AttitudeLaw {
     /// Desired body rates: the setpoint's own, plus what the attitude error asks for.
     #[must_use]
-    pub fn rates(&self, attitude: Quaternion, setpoint: &Setpoint) -> BodyRates {
+    pub fn wanted(&self, attitude: Quaternion, setpoint: &Setpoint) -> Wanted {
         let Some(target) = setpoint.attitude else {
-            return setpoint.rates;
+            return Wanted {
+                rates: setpoint.rates,
+                stiffness: Vec3::ZERO,
+            };
         };
-        let error = match setpoint.yaw {
-            Yaw::Heading => attitude.error_to(target),
-            Yaw::Rate => tilt_error(attitude, target),
+        let (error, axes) = match setpoint.yaw {
+            Yaw::Heading => (attitude.error_to(target), Vec3::new(1.0, 1.0, 1.0)),
+            Yaw::Rate => (tilt_error(attitude, target), Vec3::new(1.0, 1.0, 0.0)),
         };
-        let wanted = error.scale(self.gain).limited(self.limit);
-        BodyRates(wanted + setpoint.rates.0)
+        let asked = error.scale(self.gain);
+        let free = |asked: f32, limit: f32| f32::from(u8::from(asked.abs() < limit));
+        let acts = Vec3::new(
+            free(asked.x, self.limit.x),
+            free(asked.y, self.limit.y),
+            free(asked.z, self.limit.z),
+        );
+        Wanted {
+            rates: BodyRates(asked.limited(self.limit) + setpoint.rates.0),
+            stiffness: self.gain.scale(axes).scale(acts),
+        }
     }
 }
 
@@ -77,7 +107,7 @@ mod tests {
     fn rolled_right_of_the_target_asks_for_roll_to_the_left() {
         let attitude = Quaternion::IDENTITY.turned_by(Vec3::new(0.2, 0.0, 0.0));
         for yaw in [Yaw::Heading, Yaw::Rate] {
-            let rates = AttitudeLaw::default().rates(attitude, &target(Quaternion::IDENTITY, yaw));
+            let rates = AttitudeLaw::default().wanted(attitude, &target(Quaternion::IDENTITY, yaw)).rates;
             let expected = -0.2 * ATTITUDE_P[0];
             assert!((rates.0.x - expected).abs() < 0.02, "{yaw:?} {rates:?}");
             assert!(rates.0.y.abs() < 1e-3);
@@ -88,7 +118,7 @@ mod tests {
     fn nose_above_the_target_asks_for_nose_down() {
         let attitude = Quaternion::IDENTITY.turned_by(Vec3::new(0.0, 0.2, 0.0));
         for yaw in [Yaw::Heading, Yaw::Rate] {
-            let rates = AttitudeLaw::default().rates(attitude, &target(Quaternion::IDENTITY, yaw));
+            let rates = AttitudeLaw::default().wanted(attitude, &target(Quaternion::IDENTITY, yaw)).rates;
             assert!(
                 (rates.0.y + 0.2 * ATTITUDE_P[1]).abs() < 0.02,
                 "{yaw:?} {rates:?}"
@@ -100,17 +130,30 @@ mod tests {
     fn with_a_yaw_rate_the_heading_is_free() {
         let law = AttitudeLaw::default();
         let setpoint = target(Quaternion::from_heading(2.0), Yaw::Rate);
-        let rates = law.rates(Quaternion::IDENTITY, &setpoint);
+        let rates = law.wanted(Quaternion::IDENTITY, &setpoint).rates;
         assert!(rates.0.max_norm() < 1e-5);
         let setpoint = target(Quaternion::from_heading(0.5), Yaw::Heading);
-        assert!(law.rates(Quaternion::IDENTITY, &setpoint).0.z > 1.0);
+        assert!(law.wanted(Quaternion::IDENTITY, &setpoint).rates.0.z > 1.0);
+    }
+
+    #[test]
+    fn a_small_turn_moves_the_wanted_rates_by_the_stiffness() {
+        let law = AttitudeLaw::default();
+        let turn = Vec3::new(0.01, -0.02, 0.005);
+        for yaw in [Yaw::Heading, Yaw::Rate] {
+            let setpoint = target(Quaternion::IDENTITY.turned_by(Vec3::new(0.1, 0.05, 0.0)), yaw);
+            let foreseen = law.wanted(Quaternion::IDENTITY, &setpoint).after_turn(turn);
+            let turned = law.wanted(Quaternion::IDENTITY.turned_by(turn), &setpoint);
+            let miss = (foreseen.0 - turned.rates.0).max_norm();
+            assert!(miss < 0.1 * turn.max_norm() * ATTITUDE_P[0], "{yaw:?} {miss}");
+        }
     }
 
     #[test]
     fn upside_down_still_asks_for_a_turn() {
         let attitude = Quaternion::from_up(Vec3::new(0.0, 0.05, 1.0)).expect("a direction");
         let rates =
-            AttitudeLaw::default().rates(attitude, &target(Quaternion::IDENTITY, Yaw::Rate));
+            AttitudeLaw::default().wanted(attitude, &target(Quaternion::IDENTITY, Yaw::Rate)).rates;
         assert!(rates.0.max_norm() > 1.0);
     }
 
@@ -122,7 +165,7 @@ mod tests {
             let attitude = Quaternion::from_heading(heading);
             let goal = Quaternion::IDENTITY.turned_by(Vec3::new(x, y, z) * 0.3);
             for yaw in [Yaw::Heading, Yaw::Rate] {
-                let rates = AttitudeLaw::default().rates(attitude, &target(goal, yaw));
+                let rates = AttitudeLaw::default().wanted(attitude, &target(goal, yaw)).rates;
                 prop_assert!(rates.is_finite());
                 prop_assert!(rates.0.max_norm() <= 4.0);
             }

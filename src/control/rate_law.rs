@@ -1,9 +1,8 @@
 //! The inner loop: rate error to torque demands, PID about each axis.
 
-use crate::config::{INTEGRAL_LIMIT, RATE_D, RATE_D_CUTOFF, RATE_I, RATE_P};
+use crate::config::{INTEGRAL_LIMIT, RATE_D, RATE_I, RATE_P};
 use crate::math::{Vec3, limited};
 use crate::units::{BodyRates, TorqueDemand};
-use core::f32::consts::TAU;
 
 /// Gains of the rate loop, about each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,8 +15,6 @@ pub struct RateLaw {
     pub derivative: Vec3,
     /// The largest share that integration may reach.
     pub integral_limit: f32,
-    /// Corner of the derivative's low-pass, in Hz.
-    pub derivative_cutoff: f32,
 }
 
 impl Default for RateLaw {
@@ -28,7 +25,6 @@ impl Default for RateLaw {
             integral: vector(RATE_I),
             derivative: vector(RATE_D),
             integral_limit: INTEGRAL_LIMIT,
-            derivative_cutoff: RATE_D_CUTOFF,
         }
     }
 }
@@ -38,10 +34,8 @@ impl Default for RateLaw {
 pub struct RateState {
     /// Integral terms, already multiplied by their gain: new gains cause no bump.
     integral: Vec3,
-    /// Filtered angular acceleration in rad/s2.
-    acceleration: Vec3,
-    /// Wanted and measured rates of the step before.
-    before: Option<(BodyRates, BodyRates)>,
+    /// Wanted rates of the step before.
+    wanted: Option<BodyRates>,
 }
 
 /// What the rate loop sees.
@@ -51,6 +45,8 @@ pub struct RateInput {
     pub wanted: BodyRates,
     /// The newest filtered rates.
     pub measured: BodyRates,
+    /// The newest filtered angular acceleration, in rad/s2.
+    pub acceleration: Vec3,
     /// Angle turned since the step before, in rad.
     pub turned: Vec3,
     /// Time since the step before, in seconds.
@@ -61,23 +57,30 @@ pub struct RateInput {
 
 impl RateLaw {
     /// Torque demands; with `dt` of zero the state stays.
-    ///
-    /// The integral takes the angle turned, not the newest rate times `dt`: runs that a change
-    /// of the rate asked for would sample that rate with a bias.
     pub fn step(&self, state: &mut RateState, input: &RateInput) -> TorqueDemand {
+        state.integral = self.integrated(state, input);
         if input.dt > 0.0 {
-            self.integrate(state, input);
-            self.differentiate(state, input.measured, input.dt);
-            state.before = Some((input.wanted, input.measured));
+            state.wanted = Some(input.wanted);
         }
+        self.demand(state.integral, input)
+    }
+
+    /// What [`Self::step`] would demand now, leaving no trace.
+    #[must_use]
+    pub fn foresee(&self, state: &RateState, input: &RateInput) -> TorqueDemand {
+        self.demand(self.integrated(state, input), input)
+    }
+
+    fn demand(&self, integral: Vec3, input: &RateInput) -> TorqueDemand {
         let error = input.wanted.0 - input.measured.0;
         TorqueDemand(
-            error.scale(self.proportional) + state.integral
-                - state.acceleration.scale(self.derivative),
+            error.scale(self.proportional) + integral - input.acceleration.scale(self.derivative),
         )
     }
 
-    fn integrate(&self, state: &mut RateState, input: &RateInput) {
+    /// The integral takes the angle turned, not the newest rate times `dt`: runs that a change
+    /// of the rate asked for would sample that rate with a bias.
+    fn integrated(&self, state: &RateState, input: &RateInput) -> Vec3 {
         let grow = |integral: f32, step: f32| {
             if input.saturated && integral * step > 0.0 {
                 integral
@@ -85,24 +88,14 @@ impl RateLaw {
                 limited(integral + step, self.integral_limit)
             }
         };
-        let before = state.before.map_or(input.wanted, |(wanted, _)| wanted);
+        let before = state.wanted.unwrap_or(input.wanted);
         let wanted = (before.0 + input.wanted.0) * (0.5 * input.dt);
         let step = (wanted - input.turned).scale(self.integral);
-        state.integral = Vec3::new(
+        Vec3::new(
             grow(state.integral.x, step.x),
             grow(state.integral.y, step.y),
             grow(state.integral.z, step.z),
-        );
-    }
-
-    /// The low-pass follows the measured `dt`, so that rare runs smooth no further than needed.
-    fn differentiate(&self, state: &mut RateState, measured: BodyRates, dt: f32) {
-        if let Some((_, before)) = state.before {
-            let acceleration = (measured.0 - before.0) * (1.0 / dt);
-            let reach = TAU * self.derivative_cutoff * dt;
-            let gain = reach / (1.0 + reach);
-            state.acceleration += (acceleration - state.acceleration) * gain;
-        }
+        )
     }
 }
 
@@ -119,6 +112,7 @@ mod tests {
         RateInput {
             wanted: about_roll(wanted),
             measured: about_roll(measured),
+            acceleration: Vec3::ZERO,
             turned: about_roll(measured).0 * dt,
             dt,
             saturated: false,

@@ -2,9 +2,10 @@
 //!
 //! Each sample is low-pass filtered and summed into delta-angle, delta-velocity and delta-t.
 //! The estimator consumes the sums when control runs, so that skipped runs lose no rotation
-//! and alias no vibration; the rate law and the triggers see the filtered sample.
+//! and alias no vibration; the rate law and the triggers see the filtered sample. The angular
+//! acceleration is derived here too: between rare runs there is no derivative to take.
 
-use crate::config::{ACCEL_CUTOFF, GYRO_CUTOFF};
+use crate::config::{ACCEL_CUTOFF, GYRO_CUTOFF, RATE_D_CUTOFF};
 use crate::math::Vec3;
 use crate::sensors::ImuSample;
 use crate::time::{Instant, seconds, span};
@@ -22,6 +23,24 @@ pub struct Increment {
     pub dt: f32,
 }
 
+/// How the body turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rotation {
+    /// Filtered rates.
+    pub rates: BodyRates,
+    /// Filtered angular acceleration, in rad/s2.
+    pub acceleration: Vec3,
+}
+
+/// Everything that a run takes from the arrival stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// Sums since the last run.
+    pub sums: Increment,
+    /// The newest rotation.
+    pub rotation: Rotation,
+}
+
 /// The longest time between samples that is integrated over, in seconds.
 ///
 /// Ten periods of the slowest gating rate in use; after a longer silence the sums would be
@@ -34,6 +53,7 @@ pub struct Arrival {
     last: Option<Instant>,
     rates: TwoPole,
     force: TwoPole,
+    acceleration: Vec3,
     sum: Increment,
 }
 
@@ -56,19 +76,44 @@ impl Arrival {
     fn restart(&mut self, sample: &ImuSample) {
         self.rates = TwoPole::at(sample.rates.0);
         self.force = TwoPole::at(sample.force.0);
+        self.acceleration = Vec3::ZERO;
     }
 
     fn advance(&mut self, sample: &ImuSample, dt: f32) {
+        let before = self.rates.second;
         self.rates.step(sample.rates.0, dt, GYRO_CUTOFF);
+        self.derive(before, dt);
         self.force.step(sample.force.0, dt, ACCEL_CUTOFF);
         self.sum.angle += self.rates.second * dt;
         self.sum.velocity += self.force.second * dt;
         self.sum.dt += dt;
     }
 
-    /// The sums since they were last taken, which begin anew.
-    pub fn take_sums(&mut self) -> Increment {
-        core::mem::take(&mut self.sum)
+    /// One pole behind the difference quotient, which is never formed: `dt` cancels out.
+    fn derive(&mut self, before: Vec3, dt: f32) {
+        const CORNER: f32 = TAU * RATE_D_CUTOFF;
+        let share = 1.0 / (1.0 + CORNER * dt);
+        self.acceleration += (self.rates.second - before) * CORNER;
+        self.acceleration = self.acceleration * share;
+    }
+
+    /// What a run would take now.
+    #[must_use]
+    pub fn motion(&self) -> Motion {
+        Motion {
+            sums: self.sum,
+            rotation: Rotation {
+                rates: self.rates(),
+                acceleration: self.acceleration,
+            },
+        }
+    }
+
+    /// What a run takes; the sums begin anew.
+    pub fn take_motion(&mut self) -> Motion {
+        let motion = self.motion();
+        self.sum = Increment::default();
+        motion
     }
 
     /// The filtered rates.
@@ -127,10 +172,21 @@ mod tests {
         for at in [0, 900, 2_100, 3_000, 10_000] {
             assert!(arrival.take(&sample(at, 2.0)));
         }
-        let sum = arrival.take_sums();
+        let sum = arrival.take_motion().sums;
         assert!((sum.dt - 0.01).abs() < 1e-8);
         assert!((sum.angle.x - 0.02).abs() < 1e-6);
-        assert_eq!(arrival.take_sums(), Increment::default());
+        assert_eq!(arrival.motion().sums, Increment::default());
+    }
+
+    #[test]
+    fn a_steady_angular_acceleration_is_found_whatever_the_spacing() {
+        let mut arrival = Arrival::default();
+        for step in 0..1000u64 {
+            let at = step * 700 + step % 3 * 100;
+            assert!(arrival.take(&sample(at, at as f32 * 5e-6)));
+        }
+        let found = arrival.motion().rotation.acceleration.x;
+        assert!((found - 5.0).abs() < 0.3, "{found}");
     }
 
     #[test]
@@ -138,7 +194,7 @@ mod tests {
         let mut arrival = Arrival::default();
         let good = [0, 1_000, 500_000, 499_000].map(|at| arrival.take(&sample(at, 2.0)));
         assert_eq!(good, [true, true, false, false]);
-        assert!((arrival.take_sums().dt - 0.001).abs() < 1e-8);
+        assert!((arrival.take_motion().sums.dt - 0.001).abs() < 1e-8);
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! motion ----+--> attitude --+
 //! heading ---+               +--> wanted rates --+
 //! setpoint ------------------+                   +--> torque --+
-//! rates -----------------------------------------+             +--> command
+//! rotation --------------------------------------+             +--> command
 //! motion (clock of the integrals) ---------------+             |
 //! setpoint's thrust -------------------------------------------+
 //! ```
@@ -12,9 +12,9 @@
 
 use crate::airframe::{Mixed, Mixer, MotorShares};
 use crate::config::{ARMED_MINIMUM, MOTORS};
-use crate::control::{AttitudeLaw, RateInput, RateLaw, RateState, Setpoint};
+use crate::control::{AttitudeLaw, RateInput, RateLaw, RateState, Setpoint, Wanted};
 use crate::dataflow::{Dirty, Value};
-use crate::estimate::{AttitudeFilter, Increment};
+use crate::estimate::{AttitudeFilter, Increment, Motion, Rotation};
 use crate::math::{Quaternion, Vec3};
 use crate::units::{BodyRates, TorqueDemand};
 
@@ -24,8 +24,8 @@ use crate::units::{BodyRates, TorqueDemand};
 pub enum Node {
     /// Input: sums of the arrival stage.
     Motion,
-    /// Input: filtered rates.
-    Rates,
+    /// Input: filtered rates and angular acceleration.
+    Rotation,
     /// Input: what to fly.
     Setpoint,
     /// State: attitude estimate.
@@ -58,10 +58,12 @@ pub struct Cascade {
 
     motion: Increment,
     heading_error: Option<f32>,
-    rates: Value<BodyRates>,
+    rotation: Value<Rotation>,
     setpoint: Value<Setpoint>,
     attitude: Value<Quaternion>,
-    wanted: Value<BodyRates>,
+    wanted: Value<Wanted>,
+    /// What the newest setpoint will ask for, at the attitude of the last run.
+    foreseen: Wanted,
     torque: Value<TorqueDemand>,
     command: Value<Mixed>,
     /// No motion is seen: torque demands would only repeat the last one.
@@ -79,10 +81,11 @@ impl Default for Cascade {
             rate_state: RateState::default(),
             motion: Increment::default(),
             heading_error: None,
-            rates: Value::default(),
+            rotation: Value::default(),
             setpoint: Value::default(),
             attitude: Value::default(),
             wanted: Value::default(),
+            foreseen: Wanted::default(),
             torque: Value::default(),
             command: Value::new(Mixed {
                 shares: [ARMED_MINIMUM; MOTORS],
@@ -107,14 +110,15 @@ impl Cascade {
         self.rate_state = RateState::default();
     }
 
-    /// New motion and rates, and the error of the heading in rad where one was measured.
-    pub fn set_motion(&mut self, motion: Increment, rates: BodyRates, heading_error: Option<f32>) {
-        if motion.dt > 0.0 {
-            self.motion = motion;
+    /// New motion, and the error of the heading in rad where one was measured.
+    pub fn set_motion(&mut self, motion: &Motion, heading_error: Option<f32>) {
+        if motion.sums.dt > 0.0 {
+            self.motion = motion.sums;
             self.heading_error = heading_error;
             self.dirty |= Node::Motion.mark();
         }
-        self.dirty |= self.rates.set(rates, Node::Rates.mark());
+        let mark = Node::Rotation.mark();
+        self.dirty |= self.rotation.set(motion.rotation, mark);
     }
 
     /// Whether motion is no longer seen: then thrust is all that is commanded.
@@ -123,13 +127,14 @@ impl Cascade {
     pub fn set_blind(&mut self, blind: bool) {
         if blind != self.blind {
             self.blind = blind;
-            self.dirty |= Node::Rates.mark();
+            self.dirty |= Node::Rotation.mark();
         }
     }
 
     /// A new setpoint.
     pub fn set_setpoint(&mut self, setpoint: Setpoint) {
         self.dirty |= self.setpoint.set(setpoint, Node::Setpoint.mark());
+        self.foreseen = self.attitude_law.wanted(self.attitude(), &setpoint);
     }
 
     /// The setpoint in force.
@@ -146,7 +151,7 @@ impl Cascade {
 
     /// Runs the slice that the changed inputs reach; says which values changed.
     pub fn propagate(&mut self) -> Dirty {
-        use Node::{Attitude, Motion, Rates, Setpoint, Torque, WantedRates};
+        use Node::{Attitude, Motion, Rotation, Setpoint, Torque, WantedRates};
         let mut dirty = self.dirty.take();
         let motion = if dirty.any(Motion.mark()) {
             self.filter.step(&self.motion, self.heading_error);
@@ -158,19 +163,13 @@ impl Cascade {
             dirty |= self.attitude.set(self.filter.attitude(), Attitude.mark());
         }
         if dirty.any(Attitude.mark().or(Setpoint.mark())) {
-            let wanted = self
+            self.foreseen = self
                 .attitude_law
-                .rates(*self.attitude.get(), self.setpoint.get());
-            dirty |= self.wanted.set(wanted, WantedRates.mark());
+                .wanted(*self.attitude.get(), self.setpoint.get());
+            dirty |= self.wanted.set(self.foreseen, WantedRates.mark());
         }
-        if dirty.any(Motion.mark().or(Rates.mark()).or(WantedRates.mark())) {
-            let input = RateInput {
-                wanted: *self.wanted.get(),
-                measured: *self.rates.get(),
-                turned: motion.angle,
-                dt: motion.dt,
-                saturated: self.command.get().saturated,
-            };
+        if dirty.any(Motion.mark().or(Rotation.mark()).or(WantedRates.mark())) {
+            let input = self.rate_input(self.wanted.get().rates, self.rotation.get(), &motion);
             let torque = if self.blind {
                 TorqueDemand::default()
             } else {
@@ -185,6 +184,35 @@ impl Cascade {
             dirty |= self.command.set(mixed, Node::Command.mark());
         }
         dirty
+    }
+
+    fn rate_input(&self, wanted: BodyRates, rotation: &Rotation, sums: &Increment) -> RateInput {
+        RateInput {
+            wanted,
+            measured: rotation.rates,
+            acceleration: rotation.acceleration,
+            turned: sums.angle,
+            dt: sums.dt,
+            saturated: self.command.get().saturated,
+        }
+    }
+
+    /// The command that a run would come to now, to first order; no state advances.
+    ///
+    /// Attitude and desired rates are those of the last run, moved by the angle turned since;
+    /// what gravity and heading correct in so short a time is left out. Rate loop and mixer,
+    /// with what saturates in them, are the very same.
+    #[must_use]
+    pub fn foresee(&self, motion: &Motion) -> MotorShares {
+        let wanted = self.foreseen.after_turn(motion.sums.angle);
+        let input = self.rate_input(wanted, &motion.rotation, &motion.sums);
+        let torque = if self.blind {
+            TorqueDemand::default()
+        } else {
+            self.rate_law.foresee(&self.rate_state, &input)
+        };
+        let thrust = self.setpoint.get().thrust;
+        self.mixer.mix(torque, thrust).shares
     }
 
     /// The command last propagated.
@@ -202,7 +230,7 @@ mod tests {
 
     const ALL: [Node; 7] = [
         Node::Motion,
-        Node::Rates,
+        Node::Rotation,
         Node::Setpoint,
         Node::Attitude,
         Node::WantedRates,
@@ -226,17 +254,23 @@ mod tests {
         graph
     }
 
+    fn turning(rate: f32, sums: Increment) -> Motion {
+        Motion {
+            sums,
+            rotation: Rotation {
+                rates: BodyRates(Vec3::new(rate, 0.0, 0.0)),
+                acceleration: Vec3::ZERO,
+            },
+        }
+    }
+
     #[test]
     fn each_input_reaches_its_own_slice() {
         let mut graph = settled();
         assert_eq!(visited(graph.propagate()), "");
 
-        graph.set_motion(
-            Increment::default(),
-            BodyRates(Vec3::new(0.1, 0.0, 0.0)),
-            None,
-        );
-        assert_eq!(visited(graph.propagate()), "Rates Torque Command");
+        graph.set_motion(&turning(0.1, Increment::default()), None);
+        assert_eq!(visited(graph.propagate()), "Rotation Torque Command");
 
         graph.set_setpoint(Setpoint::level(Thrust::new(0.6).expect("in range")));
         assert_eq!(visited(graph.propagate()), "Setpoint Command");
@@ -246,10 +280,10 @@ mod tests {
             velocity: Vec3::new(0.0, 0.0, -GRAVITY * 0.001),
             dt: 0.001,
         };
-        graph.set_motion(motion, BodyRates(Vec3::new(0.2, 0.0, 0.0)), None);
+        graph.set_motion(&turning(0.2, motion), None);
         assert_eq!(
             visited(graph.propagate()),
-            "Motion Rates Attitude WantedRates Torque Command"
+            "Motion Rotation Attitude WantedRates Torque Command"
         );
     }
 
@@ -257,7 +291,7 @@ mod tests {
     fn an_input_set_to_the_same_value_reaches_nothing() {
         let mut graph = settled();
         graph.set_setpoint(*graph.setpoint());
-        graph.set_motion(Increment::default(), BodyRates::default(), None);
+        graph.set_motion(&Motion::default(), None);
         assert_eq!(visited(graph.propagate()), "");
     }
 }
