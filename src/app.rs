@@ -12,6 +12,7 @@
 mod call;
 mod chips;
 mod inputs;
+mod learners;
 mod learning;
 mod runs;
 mod schedule;
@@ -30,7 +31,7 @@ use crate::telemetry::{Event, Events, Telemetry};
 use crate::time::Instant;
 use crate::units::BodyRates;
 use chips::Chips;
-use learning::Learners;
+use learners::Learners;
 use schedule::Schedule;
 
 /// The whole flight software above the board.

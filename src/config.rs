@@ -3,7 +3,8 @@
 //! The target parses nothing. `build.rs` reads and checks the files, and stops the build with
 //! one line that names file, line, key and range. On the host `describe` shows what holds.
 
-use crate::settings::{MotorProtocol, Policy, Reference, Settings, WarmUp};
+use crate::sensors::Inputs;
+use crate::settings::{Feedback, MotorProtocol, Pairs, Policy, Reference, Settings, WarmUp};
 use crate::time::{Duration, micros};
 
 /// What one sensor may ask for, from `config/reactive.toml`.
@@ -14,12 +15,29 @@ pub struct SensorInput {
     pub period: Duration,
     /// Its period enters the hyperperiod, which waits for its sample.
     pub gates: bool,
-    /// Its model may ask for a run.
-    pub triggers: bool,
-    /// Lower end of the bins in which its changes are counted, in its own unit.
-    pub smallest_change: f32,
-    /// Upper end of the bins in which its changes are counted, in its own unit.
-    pub largest_change: f32,
+    /// The changes that are told apart.
+    pub changes: Changes,
+}
+
+/// Ends of the bins in which an input's changes are counted, in its own unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub struct Changes {
+    /// Lower end.
+    pub smallest: f32,
+    /// Upper end.
+    pub largest: f32,
+}
+
+impl Changes {
+    /// The same changes in another unit.
+    #[must_use]
+    pub const fn times(self, factor: f32) -> Self {
+        Self {
+            smallest: self.smallest * factor,
+            largest: self.largest * factor,
+        }
+    }
 }
 
 include!(concat!(env!("OUT_DIR"), "/config.rs"));

@@ -1,13 +1,13 @@
 //! Control laws: from attitude and setpoint to torque demands.
 //!
-//! Configuration, state and step are separate: `law.step(&mut state, input, dt)`. `dt` is the
-//! measured time covered by the samples consumed; with `dt` of zero the output is recomputed
-//! from the present inputs and no state advances.
+//! Configuration, state and what advances it are separate: `law.after(&state, stretch)` is the
+//! state after a stretch of measured time, `law.demand(&state, input)` what it asks for. After a
+//! stretch of no length the demand is recomputed from the present inputs, and the state stays.
 
 mod attitude_law;
 mod rate_law;
 mod setpoint;
 
 pub use attitude_law::{AttitudeLaw, Wanted};
-pub use rate_law::{RateInput, RateLaw, RateState};
+pub use rate_law::{RateInput, RateLaw, RateState, RateStretch};
 pub use setpoint::{Setpoint, Yaw};

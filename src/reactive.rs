@@ -5,18 +5,22 @@
 //! comparison (Bregu et al., MobiSys 2016, sections 4 and 5). Labels come from shadow holds in
 //! the warm-up, later from the runs that one input alone asked for.
 
+mod decision;
 mod exploration;
 mod fit;
 mod labels;
 mod logistic;
+mod sample;
 mod shadow_holds;
 mod supervisor;
-mod trigger;
+mod watch;
 
+pub use decision::Decision;
 pub use exploration::Exploration;
 pub use fit::{Fit, Refit, RefitJob};
-pub use labels::{BIN_COUNT, Labels};
+pub use labels::{BIN_COUNT, Label, Labels};
 pub use logistic::Logistic;
-pub use shadow_holds::{Held, Rule, ShadowHolds, differs};
+pub use sample::Sample;
+pub use shadow_holds::{Held, Lead, Rule, ShadowHolds, differs};
 pub use supervisor::{FallbackReason, Phase, PhaseEvent, Supervisor};
-pub use trigger::Trigger;
+pub use watch::Watch;

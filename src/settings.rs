@@ -5,6 +5,7 @@
 //! so that a board that was just powered behaves as configured.
 
 use crate::config;
+use crate::sensors::{Input, Inputs};
 use crate::time::{Duration, micros};
 
 mod block;
@@ -41,6 +42,29 @@ pub enum WarmUp {
     Fixed(Duration),
 }
 
+/// Which pairs of samples and commands become labels in the warm-up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum Pairs {
+    /// Shadow holds end at the first crossing of a candidate threshold.
+    FirstCrossings,
+    /// Shadow holds end after a number of samples of their own: pairs at several lags, and as
+    /// pairs do not overlap, as many of each as the inverse of the lag.
+    WeightedLags,
+    /// Consecutive samples, as published (Bregu et al. 2016, section 4).
+    Published,
+}
+
+/// Which runs become labels in reactive control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum Feedback {
+    /// Every run that one input alone asked for, failsafe runs, exploration runs.
+    Every,
+    /// False positives, and failsafe runs that changed a command, as published (section 4).
+    Published,
+}
+
 /// How a motor command becomes a pulse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
@@ -69,6 +93,12 @@ pub struct Settings {
     pub quantum: f32,
     /// How a motor command becomes a pulse.
     pub motors: MotorProtocol,
+    /// Inputs whose models may ask for a run.
+    pub triggers: Inputs,
+    /// Which pairs become labels in the warm-up.
+    pub pairs: Pairs,
+    /// Which runs become labels in reactive control.
+    pub feedback: Feedback,
     /// Seed of the exploration runs.
     pub seed: u32,
 }
@@ -87,6 +117,8 @@ pub enum SettingsError {
     Period,
     /// A fixed warm-up is longer than `T_boot`.
     WarmUp,
+    /// Neither the gyroscope nor what is derived from it may trigger.
+    Triggers,
 }
 
 impl core::fmt::Display for SettingsError {
@@ -110,6 +142,7 @@ impl core::fmt::Display for SettingsError {
                 "a fixed warm-up must not be longer than {} s",
                 seconds(config::LONGEST_WARM_UP)
             ),
+            Self::Triggers => f.write_str("at least one of gyro, turned and command must trigger"),
         }
     }
 }
@@ -150,6 +183,13 @@ impl Settings {
         }
         if !(self.quantum > 0.0 && self.quantum <= 0.5) {
             return Err(SettingsError::Quantum);
+        }
+        let seen_at_every_sample = [Input::Gyro, Input::Turned, Input::Command];
+        if !seen_at_every_sample
+            .iter()
+            .any(|input| self.triggers.contains(*input))
+        {
+            return Err(SettingsError::Triggers);
         }
         Ok(())
     }

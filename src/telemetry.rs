@@ -8,7 +8,7 @@ use crate::app::{ChipOrder, Fault, OrderError, Reason};
 use crate::math::Quaternion;
 use crate::reactive::{Fit, Phase};
 use crate::safety::{Arming, Refusal};
-use crate::sensors::Input;
+use crate::sensors::{Input, Inputs};
 use heapless::Deque;
 
 /// Something that happened, for the log.
@@ -21,8 +21,8 @@ pub enum Event {
         number: u32,
         /// Why.
         reason: Reason,
-        /// One bit for each input that asked for it.
-        asked: u8,
+        /// Inputs that asked for it.
+        asked: Inputs,
         /// The command moved by a quantum or more.
         changed: bool,
     },

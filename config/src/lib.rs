@@ -23,7 +23,8 @@ pub use board::{Board, Calibration, Filters, Link, MotorProtocol, Motors, Sensor
 pub use error::ConfigError;
 pub use logic::{Attitude, Cascade, Estimate, Rate};
 pub use reactive::{
-    Input, Inputs, Learning, Policy, Reactive, Reference, Runs, Setpoint, WarmUp, WarmUpLength,
+    DerivedInput, Feedback, Input, Inputs, Learning, Pairs, Policy, Reactive, Reference, Runs,
+    Setpoint, WarmUp, WarmUpLength,
 };
 
 use document::Document;

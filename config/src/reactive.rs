@@ -72,6 +72,8 @@ pub enum Reference {
 pub struct WarmUp {
     /// How its end is decided.
     pub length: WarmUpLength,
+    /// Which pairs of samples and commands become labels.
+    pub pairs: Pairs,
     /// The least an automatic warm-up lasts, in s.
     #[serde(deserialize_with = "range::warm_up")]
     pub shortest_s: f64,
@@ -84,6 +86,28 @@ pub struct WarmUp {
     /// How far from `P_run` a refit may see the old threshold while it counts as stable, (0, 1].
     #[serde(deserialize_with = "range::positive_share")]
     pub stable_change: f64,
+}
+
+/// Which pairs of samples and commands become labels in the warm-up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Pairs {
+    /// Shadow holds end at the first crossing of a candidate threshold.
+    FirstCrossings,
+    /// Pairs at several lags, each weighted by its inverse.
+    WeightedLags,
+    /// Consecutive samples, as published.
+    Published,
+}
+
+/// Which runs become labels in reactive control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Feedback {
+    /// Every run that one input alone asked for, failsafe and exploration runs.
+    Every,
+    /// False positives and failsafe runs that changed a command, as published.
+    Published,
 }
 
 /// How the end of the warm-up is decided.
@@ -152,6 +176,8 @@ pub struct Learning {
     pub exploration_weight_cap: f64,
     /// Seed of the exploration runs.
     pub exploration_seed: u32,
+    /// Which runs become labels.
+    pub feedback: Feedback,
 }
 
 /// What the sensors may ask for.
@@ -166,6 +192,24 @@ pub struct Inputs {
     pub chip_accel: Input,
     /// The LSM303AGR's magnetometer, changes in gauss.
     pub chip_mag: Input,
+    /// The angle turned since the last run, changes in rad.
+    pub turned: DerivedInput,
+    /// The change of the command that a run would make, changes in quanta.
+    pub command: DerivedInput,
+}
+
+/// What an input that is computed at every gating sample may ask for.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DerivedInput {
+    /// Its model may ask for a run.
+    pub triggers: bool,
+    /// Lower end of the bins of its changes, in its unit.
+    #[serde(deserialize_with = "range::change")]
+    pub smallest_change: f64,
+    /// Upper end of the bins of its changes, in its unit.
+    #[serde(deserialize_with = "range::change")]
+    pub largest_change: f64,
 }
 
 /// What one sensor may ask for.
@@ -211,9 +255,9 @@ impl Reactive {
             let message = format!("must be 0 to longest_s, {} s", warm_up.longest_s);
             return Err(document.error_at(&["warm_up", "length"], message));
         }
-        for (name, input, _) in self.inputs.with_rates(board) {
-            if input.smallest_change >= input.largest_change {
-                let message = format!("must be below largest_change, {}", input.largest_change);
+        for (name, smallest, largest) in self.inputs.changes(board) {
+            if smallest >= largest {
+                let message = format!("must be below largest_change, {largest}");
                 return Err(document.error_at(&["inputs", name, "smallest_change"], message));
             }
         }
@@ -251,6 +295,30 @@ impl Reactive {
 }
 
 impl Inputs {
+    /// One bit for each input whose model may ask for a run, in the firmware's order.
+    pub(crate) fn triggers(&self) -> u8 {
+        let each = [
+            self.gyro.triggers,
+            self.accel.triggers,
+            self.chip_accel.triggers,
+            self.chip_mag.triggers,
+            self.turned.triggers,
+            self.command.triggers,
+        ];
+        let bits = each.iter().zip(0..);
+        bits.fold(0, |all, (triggers, bit)| all | u8::from(*triggers) << bit)
+    }
+
+    /// Every input's key and the ends of its changes.
+    fn changes(&self, board: &Board) -> impl Iterator<Item = (&'static str, f64, f64)> {
+        let sensed = self
+            .with_rates(board)
+            .map(|(name, input, _)| (name, input.smallest_change, input.largest_change));
+        let derived = [("turned", &self.turned), ("command", &self.command)]
+            .map(|(name, input)| (name, input.smallest_change, input.largest_change));
+        sensed.into_iter().chain(derived)
+    }
+
     /// Every input with its key and its rate in Hz on a board.
     #[must_use]
     pub fn with_rates(&self, board: &Board) -> [(&'static str, &Input, u32); 4] {

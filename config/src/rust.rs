@@ -1,13 +1,14 @@
 //! The configuration as Rust source: documented constants for the firmware.
 //!
 //! The source is included by `src/config.rs` of the package `reflex` and uses the types in scope
-//! there: `Settings` and its enums, `Duration`, `micros`, `SensorInput`.
+//! there: `Settings` and its enums, `Duration`, `micros`, `Inputs`, `SensorInput`,
+//! `Changes`.
 
 use std::fmt::Write;
 
 use crate::{
-    Airframe, Board, Cascade, Configuration, Input, MotorProtocol, Policy, Reactive, Reference,
-    Spin, WarmUpLength,
+    Airframe, Board, Cascade, Configuration, DerivedInput, Feedback, Input, MotorProtocol, Pairs,
+    Policy, Reactive, Reference, Spin, WarmUpLength,
 };
 
 /// One constant of the generated source: name, value, meaning.
@@ -103,10 +104,21 @@ fn settings(reactive: &Reactive, board: &Board) -> Value {
         MotorProtocol::OneShot125 => "OneShot125",
         MotorProtocol::Pwm => "Pwm",
     };
+    let pairs = match reactive.warm_up.pairs {
+        Pairs::FirstCrossings => "FirstCrossings",
+        Pairs::WeightedLags => "WeightedLags",
+        Pairs::Published => "Published",
+    };
+    let feedback = match reactive.learning.feedback {
+        Feedback::Every => "Every",
+        Feedback::Published => "Published",
+    };
+    let triggers = reactive.inputs.triggers();
     let text = format!(
         "Settings {{ policy: {policy}, reference: Reference::{reference}, p_run: {}, \
          warm_up: WarmUp::{warm_up}, failsafe: {}, quantum: {}, motors: MotorProtocol::{motors}, \
-         seed: {} }}",
+         triggers: Inputs::from_bits({triggers:#b}), pairs: Pairs::{pairs}, \
+         feedback: Feedback::{feedback}, seed: {} }}",
         literal(runs.p_run),
         micros(runs.failsafe_s),
         one_step(runs.quantum_steps).text,
@@ -153,6 +165,7 @@ fn learning(reactive: &Reactive) -> Vec<Constant> {
 
 fn inputs(reactive: &Reactive, board: &Board) -> Vec<Constant> {
     let [gyro, accel, chip_accel, chip_mag] = reactive.inputs.with_rates(board);
+    let inputs = &reactive.inputs;
     let setpoint = &reactive.setpoint;
     vec![
         ("GYRO", input(gyro), "The MPU6050's gyro; changes in rad/s."),
@@ -170,6 +183,16 @@ fn inputs(reactive: &Reactive, board: &Board) -> Vec<Constant> {
             "CHIP_MAG",
             input(chip_mag),
             "The LSM303AGR's magnetometer; changes in gauss.",
+        ),
+        (
+            "TURNED",
+            derived(&inputs.turned),
+            "The angle turned since the last run; changes in rad.",
+        ),
+        (
+            "COMMAND",
+            derived(&inputs.command),
+            "The change of the motor command that a run would make; changes in quanta.",
         ),
         (
             "SETPOINT_ANGLE_QUANTUM",
@@ -191,15 +214,24 @@ fn inputs(reactive: &Reactive, board: &Board) -> Vec<Constant> {
 
 fn input((_, input, rate): (&str, &Input, u32)) -> Value {
     let text = format!(
-        "SensorInput {{ period: micros({}), gates: {}, triggers: {}, smallest_change: {}, \
-         largest_change: {} }}",
+        "SensorInput {{ period: micros({}), gates: {}, changes: {} }}",
         1_000_000 / rate,
         input.gates,
-        input.triggers,
-        literal(input.smallest_change),
-        literal(input.largest_change),
+        changes(input.smallest_change, input.largest_change),
     );
     value("SensorInput", text)
+}
+
+fn derived(input: &DerivedInput) -> Value {
+    value(
+        "Changes",
+        changes(input.smallest_change, input.largest_change),
+    )
+}
+
+fn changes(smallest: f64, largest: f64) -> String {
+    let (smallest, largest) = (literal(smallest), literal(largest));
+    format!("Changes {{ smallest: {smallest}, largest: {largest} }}")
 }
 
 fn board(board: &Board) -> Vec<Constant> {

@@ -29,7 +29,7 @@ reactive.toml | labels_of_each_class = 30 | labels_of_each_class = 0 | warm_up.l
 reactive.toml | stable_change = 0.1 | stable_change = 0 | warm_up.stable_change | above 0
 reactive.toml | forgetting_s = 20 | forgetting_s = 0.5 | learning.forgetting_s | 1 to 3600
 reactive.toml | refit_interval_s = 0.5 | refit_interval_s = inf | learning.refit_interval_s | 0.05 to 60
-reactive.toml | exploration_share = 0.00390625 | exploration_share = 0.2 | learning.exploration_share | 0 to 0.1
+reactive.toml | exploration_share = 0.00048828125 | exploration_share = 0.2 | learning.exploration_share | 0 to 0.1
 reactive.toml | smallest_change = 0.002 | smallest_change = 0 | inputs.gyro.smallest_change | above 0
 reactive.toml | angle_quantum_rad = 0.02 | angle_quantum_rad = 2 | setpoint.angle_quantum_rad | at most 1 rad
 boards/reflex_f427.toml | imu_rate_hz = 1000 | imu_rate_hz = 8000 | sensors.imu_rate_hz | one of 1000 500

@@ -11,7 +11,7 @@ use super::{Autopilot, ChipOrder, Fault, OrderError, Reason};
 use crate::config::MOTORS;
 use crate::link::Message;
 use crate::reactive::{Fit, Refit};
-use crate::sensors::{Cause, IMU_BURST_LENGTH, Input};
+use crate::sensors::{Cause, IMU_BURST_LENGTH, Input, Inputs};
 use crate::time::{Instant, at_micros};
 
 mod codec;
@@ -53,8 +53,10 @@ pub enum Call {
 pub struct Ran {
     /// Why it happened.
     pub reason: Reason,
-    /// One bit for each input (by its number) whose change asked for it.
-    pub asked: u8,
+    /// Inputs whose changes asked for it.
+    pub asked: Inputs,
+    /// The largest probability of a changed command by a model that asked; `None` without one.
+    pub expected: Option<f32>,
     /// The motor command it applied, as shares of full scale.
     pub shares: [f32; MOTORS],
 }
@@ -115,7 +117,9 @@ impl Stamped {
             }
             Call::Refit(refit) => out.refit(refit),
             Call::Ran(ran) => {
-                out.put([ran.reason as u8, ran.asked]);
+                out.put([ran.reason as u8, ran.asked.bits()]);
+                // No probability is not a number.
+                out.float(ran.expected.unwrap_or(f32::NAN));
                 for share in ran.shares {
                     out.float(share);
                 }
@@ -145,7 +149,8 @@ impl Stamped {
             9 => Call::Refit(from.refit()?),
             10 => Call::Ran(Ran {
                 reason: from.choice(Reason::from_number)?,
-                asked: from.byte()?,
+                asked: Inputs::from_bits(from.byte()?),
+                expected: Some(from.float()?).filter(|expected| !expected.is_nan()),
                 shares: from.shares()?,
             }),
             other => return Err(DecodeError::Unknown(other)),

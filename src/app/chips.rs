@@ -163,7 +163,7 @@ impl Chips {
     /// False for a chip that fell silent, or repeats itself: its model is not waited for.
     pub(super) fn delivers(&self, input: Input) -> bool {
         let chip = match input {
-            Input::Gyro | Input::Accel => return true,
+            Input::Gyro | Input::Accel | Input::Turned | Input::Command => return true,
             Input::ChipAccel => &self.accel,
             Input::ChipMag => &self.mag,
         };
@@ -257,7 +257,7 @@ impl<R: Recorder> Autopilot<R> {
     /// A chip compares only in reactive control, with a model, against the last run's sample.
     fn wanted(&self, input: Input, code: impl Fn(f32) -> Option<u16>) -> Mode {
         let compares = self.supervisor.phase() == Phase::Reactive
-            && self.learners.look(input).triggers
+            && self.learners.lesson(input).triggers
             && self.settings.reference == Reference::LastRun
             && matches!(self.fit(input), Fit::Model(_));
         if !compares {

@@ -50,10 +50,7 @@ impl<R: Recorder> Autopilot<R> {
         if self.supervisor.phase() == Phase::Fallback(FallbackReason::ImuLost) {
             self.move_phase(PhaseEvent::ImuBack);
         }
-        let rates = self.arrival.rates().0;
-        let force = self.arrival.force().0;
-        self.compare(Input::Gyro, rates);
-        self.compare(Input::Accel, force);
+        self.compare_sample(at);
         let exploration = &mut self.exploration;
         let phase = self.supervisor.phase();
         if self
@@ -74,14 +71,28 @@ impl<R: Recorder> Autopilot<R> {
         }
     }
 
-    /// Takes a sample into its trigger; asks for a run where its change calls for one.
-    fn compare(&mut self, input: Input, sample: Vec3) -> bool {
-        let learner = self.learners.of(input);
-        let calls = learner.trigger.take(sample) && learner.triggers;
-        if calls {
+    /// Takes the filtered sample into its inputs, and what can be derived from it.
+    fn compare_sample(&mut self, at: Instant) {
+        let motion = self.arrival.motion();
+        let heading_error = self.heading_error(at);
+        let learners = &mut self.learners;
+        let calls = [
+            (Input::Gyro, learners.gyro.calls(motion.rotation.rates.0)),
+            (Input::Accel, learners.accel.calls(self.arrival.force().0)),
+            (Input::Turned, learners.turned_calls(motion.sums.angle)),
+            // Time-triggered control need not foresee what it computes anyway.
+            (
+                Input::Command,
+                learners.command.lesson.triggers
+                    && self.supervisor.phase() == Phase::Reactive
+                    && learners
+                        .command
+                        .calls(self.graph.foresee(&motion, heading_error)),
+            ),
+        ];
+        for (input, _) in calls.into_iter().filter(|(_, calls)| *calls) {
             self.schedule.ask(input);
         }
-        calls
     }
 
     /// A sample of the LSM303AGR's accelerometer; `at` is the stamp of its interrupt.
@@ -104,18 +115,21 @@ impl<R: Recorder> Autopilot<R> {
 
     fn on_chip_sample(&mut self, at: Instant, input: Input, sample: Vec3, cause: Cause) -> Next {
         if cause == Cause::Rearm {
-            self.learners.of(input).trigger.rearm(sample);
+            if let Some(learner) = self.learners.of_axes(input) {
+                learner.rearm(sample);
+            }
             return Next::Wait;
         }
-        let crossed = self.compare(input, sample);
-        if cause == Cause::Threshold && !crossed {
-            // The chip compared, and its comparison decides.
+        let learner = self.learners.of_axes(input);
+        let crossed = learner.is_some_and(|learner| learner.calls(sample));
+        // Where the chip compared, its comparison decides.
+        let asked = crossed || cause == Cause::Threshold;
+        if asked {
             self.schedule.ask(input);
         }
         if self.supervisor.is_learning() {
             self.learners.hold(at, input, self.gate.applied());
         }
-        let asked = crossed || cause == Cause::Threshold;
         if asked && self.supervisor.phase() == Phase::Reactive {
             Next::HyperperiodAt(self.schedule.timeout())
         } else {
@@ -129,7 +143,9 @@ impl<R: Recorder> Autopilot<R> {
             .heading
             .pose_at
             .is_some_and(|pose_at| span(pose_at, at) <= HEADING_LIFE);
-        let earth = self.graph.attitude().to_earth(field);
+        // Where the body is now, not where it was at the last run.
+        let turned = self.arrival.motion().sums.angle;
+        let earth = self.graph.attitude().turned_by(turned).to_earth(field);
         let weak = earth.x.abs().max(earth.y.abs()) < WEAKEST_FIELD;
         if weak || pose_leads || self.bias.is_none() {
             return;
@@ -167,7 +183,8 @@ impl<R: Recorder> Autopilot<R> {
     /// A setpoint joins: the next run uses it. It forces a run once it moved past its quantum.
     fn on_setpoint(&mut self, at: Instant, setpoint: &Setpoint) {
         let first = self.setpoint_at.replace(at).is_none();
-        self.graph.set_setpoint(*setpoint);
+        self.graph
+            .set_setpoint(*setpoint, &self.arrival.motion().sums);
         if first || moved(self.learners.setpoint_of_last_run(), setpoint) {
             self.schedule.ask_for_setpoint();
         }
@@ -216,7 +233,8 @@ impl<R: Recorder> Autopilot<R> {
             Arming::Armed => PhaseEvent::Armed,
             Arming::Disarmed | Arming::Calibrating => {
                 // The next flight shall not begin with the thrust that this one ended with.
-                self.graph.set_setpoint(Setpoint::default());
+                self.graph
+                    .set_setpoint(Setpoint::default(), &self.arrival.motion().sums);
                 self.setpoint_at = None;
                 PhaseEvent::Disarmed
             }

@@ -80,6 +80,7 @@ impl<R: Recorder> Autopilot<R> {
             self.count(Fault::Command);
         }
         let asked = self.schedule.asked();
+        let expected = self.learners.expected_of(asked);
         let changed = differs(&before, &output.share(), self.settings.quantum);
         // Without new motion a command cannot change, which teaches nothing about sensors; and
         // a setpoint that moved may have changed it whatever they said.
@@ -87,13 +88,19 @@ impl<R: Recorder> Autopilot<R> {
             self.learn(now, reason, asked, changed);
         }
         self.schedule.on_run(now);
-        self.learners.on_run(self.graph.setpoint());
+        self.learners.on_run(
+            motion.sums.angle,
+            self.supervisor.is_learning(),
+            &output.share(),
+            self.graph.setpoint(),
+        );
         self.chips.on_run();
         self.recorder.record(
             now,
             &Call::Ran(Ran {
                 reason,
                 asked,
+                expected,
                 shares: output.share(),
             }),
         );
@@ -117,7 +124,8 @@ impl<R: Recorder> Autopilot<R> {
         {
             self.setpoint_at = None;
             let thrust = self.graph.setpoint().thrust;
-            self.graph.set_setpoint(Setpoint::level(thrust));
+            self.graph
+                .set_setpoint(Setpoint::level(thrust), &self.arrival.motion().sums);
             self.events.push(Event::SetpointLost);
         }
     }

@@ -3,7 +3,7 @@
 use super::Reason;
 use crate::config::HYPERPERIOD;
 use crate::reactive::Phase;
-use crate::sensors::Input;
+use crate::sensors::{Input, Inputs};
 use crate::settings::{Policy, Settings};
 use crate::time::{Duration, Instant, at_micros, micros, span};
 
@@ -20,8 +20,8 @@ pub(super) struct Schedule {
     /// The gating sensor's silence was noticed and lasts.
     silent: bool,
     next_periodic: Instant,
-    /// One bit for each input that asked for a run in this hyperperiod.
-    asked: u8,
+    /// Inputs that asked for a run in this hyperperiod.
+    asked: Inputs,
     setpoint_asked: bool,
     pending: Option<Reason>,
     runs: u32,
@@ -39,7 +39,7 @@ impl Schedule {
             last_gate: None,
             silent: false,
             next_periodic: Instant::from_ticks(0),
-            asked: 0,
+            asked: Inputs::NONE,
             setpoint_asked: false,
             pending: None,
             runs: 0,
@@ -48,7 +48,7 @@ impl Schedule {
 
     /// An input's change calls for a run.
     pub(super) fn ask(&mut self, input: Input) {
-        self.asked |= 1 << input as u8;
+        self.asked = self.asked.with(input);
     }
 
     /// The setpoint calls for a run.
@@ -66,7 +66,7 @@ impl Schedule {
         self.setpoint_asked
     }
 
-    pub(super) fn asked(&self) -> u8 {
+    pub(super) fn asked(&self) -> Inputs {
         self.asked
     }
 
@@ -102,7 +102,7 @@ impl Schedule {
     }
 
     fn asked_reason(&self) -> Option<Reason> {
-        if self.asked != 0 {
+        if !self.asked.is_empty() {
             Some(Reason::Trigger)
         } else {
             self.setpoint_asked.then_some(Reason::Setpoint)
@@ -160,7 +160,7 @@ impl Schedule {
     /// A run happened.
     pub(super) fn on_run(&mut self, now: Instant) {
         self.last_run = now;
-        self.asked = 0;
+        self.asked = Inputs::NONE;
         self.setpoint_asked = false;
         self.pending = None;
         self.runs = self.runs.wrapping_add(1);

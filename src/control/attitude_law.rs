@@ -36,10 +36,12 @@ pub struct Wanted {
 }
 
 impl Wanted {
-    /// The desired rates after a small turn of the body (rad), to first order.
+    /// The desired rates integrated over a stretch of time, in rad, to first order.
+    ///
+    /// `swept` is the angle turned, integrated over that time (rad s), `dt` its length (s).
     #[must_use]
-    pub fn after_turn(&self, turned: Vec3) -> BodyRates {
-        BodyRates(self.rates.0 - turned.scale(self.stiffness))
+    pub fn integrated(&self, swept: Vec3, dt: f32) -> Vec3 {
+        self.rates.0 * dt - swept.scale(self.stiffness)
     }
 }
 
@@ -107,7 +109,9 @@ mod tests {
     fn rolled_right_of_the_target_asks_for_roll_to_the_left() {
         let attitude = Quaternion::IDENTITY.turned_by(Vec3::new(0.2, 0.0, 0.0));
         for yaw in [Yaw::Heading, Yaw::Rate] {
-            let rates = AttitudeLaw::default().wanted(attitude, &target(Quaternion::IDENTITY, yaw)).rates;
+            let rates = AttitudeLaw::default()
+                .wanted(attitude, &target(Quaternion::IDENTITY, yaw))
+                .rates;
             let expected = -0.2 * ATTITUDE_P[0];
             assert!((rates.0.x - expected).abs() < 0.02, "{yaw:?} {rates:?}");
             assert!(rates.0.y.abs() < 1e-3);
@@ -118,7 +122,9 @@ mod tests {
     fn nose_above_the_target_asks_for_nose_down() {
         let attitude = Quaternion::IDENTITY.turned_by(Vec3::new(0.0, 0.2, 0.0));
         for yaw in [Yaw::Heading, Yaw::Rate] {
-            let rates = AttitudeLaw::default().wanted(attitude, &target(Quaternion::IDENTITY, yaw)).rates;
+            let rates = AttitudeLaw::default()
+                .wanted(attitude, &target(Quaternion::IDENTITY, yaw))
+                .rates;
             assert!(
                 (rates.0.y + 0.2 * ATTITUDE_P[1]).abs() < 0.02,
                 "{yaw:?} {rates:?}"
@@ -141,19 +147,27 @@ mod tests {
         let law = AttitudeLaw::default();
         let turn = Vec3::new(0.01, -0.02, 0.005);
         for yaw in [Yaw::Heading, Yaw::Rate] {
-            let setpoint = target(Quaternion::IDENTITY.turned_by(Vec3::new(0.1, 0.05, 0.0)), yaw);
-            let foreseen = law.wanted(Quaternion::IDENTITY, &setpoint).after_turn(turn);
+            let setpoint = target(
+                Quaternion::IDENTITY.turned_by(Vec3::new(0.1, 0.05, 0.0)),
+                yaw,
+            );
+            let before = law.wanted(Quaternion::IDENTITY, &setpoint);
+            let foreseen = before.rates.0 - turn.scale(before.stiffness);
             let turned = law.wanted(Quaternion::IDENTITY.turned_by(turn), &setpoint);
-            let miss = (foreseen.0 - turned.rates.0).max_norm();
-            assert!(miss < 0.1 * turn.max_norm() * ATTITUDE_P[0], "{yaw:?} {miss}");
+            let miss = (foreseen - turned.rates.0).max_norm();
+            assert!(
+                miss < 0.1 * turn.max_norm() * ATTITUDE_P[0],
+                "{yaw:?} {miss}"
+            );
         }
     }
 
     #[test]
     fn upside_down_still_asks_for_a_turn() {
         let attitude = Quaternion::from_up(Vec3::new(0.0, 0.05, 1.0)).expect("a direction");
-        let rates =
-            AttitudeLaw::default().wanted(attitude, &target(Quaternion::IDENTITY, Yaw::Rate)).rates;
+        let rates = AttitudeLaw::default()
+            .wanted(attitude, &target(Quaternion::IDENTITY, Yaw::Rate))
+            .rates;
         assert!(rates.0.max_norm() > 1.0);
     }
 

@@ -34,11 +34,20 @@ impl Default for RateLaw {
 pub struct RateState {
     /// Integral terms, already multiplied by their gain: new gains cause no bump.
     integral: Vec3,
-    /// Wanted rates of the step before.
-    wanted: Option<BodyRates>,
 }
 
-/// What the rate loop sees.
+/// A stretch of time as the integral terms see it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RateStretch {
+    /// Desired rates integrated over it, in rad.
+    pub wanted: Vec3,
+    /// Angle turned in it, in rad.
+    pub turned: Vec3,
+    /// The motors could not give the demand: integrals may shrink but not grow.
+    pub saturated: bool,
+}
+
+/// The rates that the rate loop compares.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RateInput {
     /// What the attitude loop asks for.
@@ -47,54 +56,41 @@ pub struct RateInput {
     pub measured: BodyRates,
     /// The newest filtered angular acceleration, in rad/s2.
     pub acceleration: Vec3,
-    /// Angle turned since the step before, in rad.
-    pub turned: Vec3,
-    /// Time since the step before, in seconds.
-    pub dt: f32,
-    /// The motors could not give the last demand: integrals may shrink but not grow.
-    pub saturated: bool,
 }
 
 impl RateLaw {
-    /// Torque demands; with `dt` of zero the state stays.
-    pub fn step(&self, state: &mut RateState, input: &RateInput) -> TorqueDemand {
-        state.integral = self.integrated(state, input);
-        if input.dt > 0.0 {
-            state.wanted = Some(input.wanted);
-        }
-        self.demand(state.integral, input)
-    }
-
-    /// What [`Self::step`] would demand now, leaving no trace.
-    #[must_use]
-    pub fn foresee(&self, state: &RateState, input: &RateInput) -> TorqueDemand {
-        self.demand(self.integrated(state, input), input)
-    }
-
-    fn demand(&self, integral: Vec3, input: &RateInput) -> TorqueDemand {
-        let error = input.wanted.0 - input.measured.0;
-        TorqueDemand(
-            error.scale(self.proportional) + integral - input.acceleration.scale(self.derivative),
-        )
-    }
-
+    /// The state after a stretch of time; one of no length leaves it as it is.
+    ///
     /// The integral takes the angle turned, not the newest rate times `dt`: runs that a change
-    /// of the rate asked for would sample that rate with a bias.
-    fn integrated(&self, state: &RateState, input: &RateInput) -> Vec3 {
+    /// of the rate asked for would sample that rate with a bias. The same goes for the desired
+    /// rates, which is why they come integrated.
+    #[must_use]
+    pub fn after(&self, state: &RateState, stretch: &RateStretch) -> RateState {
         let grow = |integral: f32, step: f32| {
-            if input.saturated && integral * step > 0.0 {
+            if stretch.saturated && integral * step > 0.0 {
                 integral
             } else {
                 limited(integral + step, self.integral_limit)
             }
         };
-        let before = state.wanted.unwrap_or(input.wanted);
-        let wanted = (before.0 + input.wanted.0) * (0.5 * input.dt);
-        let step = (wanted - input.turned).scale(self.integral);
-        Vec3::new(
-            grow(state.integral.x, step.x),
-            grow(state.integral.y, step.y),
-            grow(state.integral.z, step.z),
+        let step = (stretch.wanted - stretch.turned).scale(self.integral);
+        let before = state.integral;
+        RateState {
+            integral: Vec3::new(
+                grow(before.x, step.x),
+                grow(before.y, step.y),
+                grow(before.z, step.z),
+            ),
+        }
+    }
+
+    /// Torque demands in a state.
+    #[must_use]
+    pub fn demand(&self, state: &RateState, input: &RateInput) -> TorqueDemand {
+        let error = input.wanted.0 - input.measured.0;
+        TorqueDemand(
+            error.scale(self.proportional) + state.integral
+                - input.acceleration.scale(self.derivative),
         )
     }
 }
@@ -104,17 +100,14 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn about_roll(rate: f32) -> BodyRates {
-        BodyRates(Vec3::new(rate, 0.0, 0.0))
+    fn about_roll(angle: f32) -> Vec3 {
+        Vec3::new(angle, 0.0, 0.0)
     }
 
-    fn input(wanted: f32, measured: f32, dt: f32) -> RateInput {
-        RateInput {
+    fn stretch(wanted: f32, turned: f32) -> RateStretch {
+        RateStretch {
             wanted: about_roll(wanted),
-            measured: about_roll(measured),
-            acceleration: Vec3::ZERO,
-            turned: about_roll(measured).0 * dt,
-            dt,
+            turned: about_roll(turned),
             saturated: false,
         }
     }
@@ -122,50 +115,40 @@ mod tests {
     #[test]
     fn without_time_the_output_follows_and_the_state_stays() {
         let law = RateLaw::default();
-        let mut state = RateState::default();
-        law.step(&mut state, &input(1.0, 0.0, 0.01));
-        let before = state;
-        let torque = law.step(&mut state, &input(2.0, 0.0, 0.0));
-        assert_eq!(state, before);
-        assert!(torque.0.x > 2.0 * RATE_P[0] * 0.99);
+        let state = law.after(&RateState::default(), &stretch(0.01, 0.0));
+        assert_eq!(law.after(&state, &RateStretch::default()), state);
+        let input = RateInput {
+            wanted: BodyRates(about_roll(2.0)),
+            ..RateInput::default()
+        };
+        assert!(law.demand(&state, &input).0.x > 2.0 * RATE_P[0] * 0.99);
     }
 
     #[test]
     fn a_saturated_integral_shrinks_but_does_not_grow() {
         let law = RateLaw::default();
-        let mut state = RateState::default();
-        let saturated = |wanted, dt| RateInput {
+        let saturated = |wanted| RateStretch {
             saturated: true,
-            ..input(wanted, 0.0, dt)
+            ..stretch(wanted, 0.0)
         };
-        law.step(&mut state, &input(1.0, 0.0, 0.01));
-        let grown = state.integral.x;
-        law.step(&mut state, &saturated(1.0, 0.01));
-        assert_eq!(state.integral.x, grown);
-        law.step(&mut state, &saturated(-2.0, 0.01));
-        assert!(state.integral.x < grown);
+        let grown = law.after(&RateState::default(), &stretch(0.01, 0.0));
+        assert_eq!(law.after(&grown, &saturated(0.01)), grown);
+        let shrunk = law.after(&grown, &saturated(-0.02));
+        assert!(shrunk.integral.x < grown.integral.x);
     }
 
     #[test]
     fn rare_steps_integrate_what_frequent_ones_do() {
         let law = RateLaw::default();
         let (mut often, mut rarely) = (RateState::default(), RateState::default());
-        let mut turned = Vec3::ZERO;
+        let mut turned = 0.0;
         for step in 1..=1000 {
-            let rate = libm::sinf(step as f32 * 0.7);
-            let each = input(0.2, rate, 0.001);
-            law.step(&mut often, &each);
-            turned += each.turned;
+            let each = libm::sinf(step as f32 * 0.7) * 0.001;
+            often = law.after(&often, &stretch(0.000_2, each));
+            turned += each;
             if step % 50 == 0 {
-                law.step(
-                    &mut rarely,
-                    &RateInput {
-                        turned,
-                        dt: 0.05,
-                        ..each
-                    },
-                );
-                turned = Vec3::ZERO;
+                rarely = law.after(&rarely, &stretch(0.01, turned));
+                turned = 0.0;
             }
         }
         assert!((often.integral - rarely.integral).max_norm() < 1e-6);
@@ -179,8 +162,13 @@ mod tests {
             let law = RateLaw::default();
             let mut state = RateState::default();
             for (wanted, measured, dt) in steps {
-                let torque = law.step(&mut state, &input(wanted, measured, dt));
-                prop_assert!(torque.is_finite());
+                state = law.after(&state, &stretch(wanted * dt, measured * dt));
+                let input = RateInput {
+                    wanted: BodyRates(about_roll(wanted)),
+                    measured: BodyRates(about_roll(measured)),
+                    acceleration: Vec3::ZERO,
+                };
+                prop_assert!(law.demand(&state, &input).is_finite());
                 prop_assert!(state.integral.max_norm() <= law.integral_limit);
             }
         }

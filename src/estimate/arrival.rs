@@ -17,6 +17,9 @@ use core::f32::consts::TAU;
 pub struct Increment {
     /// Angle turned, in rad, body axes.
     pub angle: Vec3,
+    /// That angle integrated over the time, in rad s: what a demand that falls with the angle
+    /// has lost between the runs.
+    pub swept: Vec3,
     /// Specific force integrated, in m/s, body axes.
     pub velocity: Vec3,
     /// Time covered, in seconds; zero where no sample arrived.
@@ -30,6 +33,19 @@ pub struct Rotation {
     pub rates: BodyRates,
     /// Filtered angular acceleration, in rad/s2.
     pub acceleration: Vec3,
+}
+
+impl Increment {
+    /// The part of the motion behind an earlier sum of the same run.
+    #[must_use]
+    pub fn since(&self, earlier: &Self) -> Self {
+        Self {
+            angle: self.angle - earlier.angle,
+            swept: self.swept - earlier.swept,
+            velocity: self.velocity - earlier.velocity,
+            dt: self.dt - earlier.dt,
+        }
+    }
 }
 
 /// Everything that a run takes from the arrival stage.
@@ -84,7 +100,9 @@ impl Arrival {
         self.rates.step(sample.rates.0, dt, GYRO_CUTOFF);
         self.derive(before, dt);
         self.force.step(sample.force.0, dt, ACCEL_CUTOFF);
-        self.sum.angle += self.rates.second * dt;
+        let turned = self.rates.second * dt;
+        self.sum.swept += (self.sum.angle + turned * 0.5) * dt;
+        self.sum.angle += turned;
         self.sum.velocity += self.force.second * dt;
         self.sum.dt += dt;
     }
@@ -175,6 +193,7 @@ mod tests {
         let sum = arrival.take_motion().sums;
         assert!((sum.dt - 0.01).abs() < 1e-8);
         assert!((sum.angle.x - 0.02).abs() < 1e-6);
+        assert!((sum.swept.x - 0.5 * 0.02 * 0.01).abs() < 1e-8);
         assert_eq!(arrival.motion().sums, Increment::default());
     }
 

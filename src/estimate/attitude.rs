@@ -35,31 +35,37 @@ impl AttitudeFilter {
     /// `heading_error` is by how much (rad, clockwise) the estimate's heading falls short of a
     /// measured one, where there is one.
     pub fn step(&mut self, motion: &Increment, heading_error: Option<f32>) {
-        if motion.dt <= 0.0 {
-            return;
-        }
-        let mut turn = motion.angle + self.towards_gravity(motion) * motion.dt;
-        if let Some(error) = heading_error {
-            let down = self.attitude.down_in_body();
-            turn += down * (HEADING_CORRECTION * error * motion.dt);
-        }
-        self.attitude = in_small_turns(self.attitude, turn);
+        self.attitude = self.attitude_after(motion, heading_error);
     }
 
-    /// Rate (rad/s) that turns the estimated vertical towards the measured one.
-    ///
-    /// Trust falls to zero as the mean specific force leaves 1 g: in a manoeuvre it does not
-    /// show the vertical.
-    fn towards_gravity(&self, motion: &Increment) -> Vec3 {
-        let force = motion.velocity * (1.0 / motion.dt);
-        let size = force.norm();
-        let trust = 1.0 - (size - GRAVITY).abs() * (2.0 / GRAVITY);
-        if trust <= 0.0 {
-            return Vec3::ZERO;
+    /// The estimate that [`Self::step`] would come to, leaving no trace.
+    #[must_use]
+    pub fn attitude_after(&self, motion: &Increment, heading_error: Option<f32>) -> Quaternion {
+        if motion.dt <= 0.0 {
+            return self.attitude;
         }
-        let measured_down = force * (-1.0 / size);
-        measured_down.cross(self.attitude.down_in_body()) * (ACCEL_CORRECTION * trust)
+        let down = self.attitude.down_in_body();
+        let mut turn = motion.angle + towards_gravity(down, motion) * motion.dt;
+        if let Some(error) = heading_error {
+            turn += down * (HEADING_CORRECTION * error * motion.dt);
+        }
+        in_small_turns(self.attitude, turn)
     }
+}
+
+/// Rate (rad/s) that turns the estimated vertical, `down` in body axes, towards the measured one.
+///
+/// Trust falls to zero as the mean specific force leaves 1 g: in a manoeuvre it does not show
+/// the vertical.
+fn towards_gravity(down: Vec3, motion: &Increment) -> Vec3 {
+    let force = motion.velocity * (1.0 / motion.dt);
+    let size = force.norm();
+    let trust = 1.0 - (size - GRAVITY).abs() * (2.0 / GRAVITY);
+    if trust <= 0.0 {
+        return Vec3::ZERO;
+    }
+    let measured_down = force * (-1.0 / size);
+    measured_down.cross(down) * (ACCEL_CORRECTION * trust)
 }
 
 /// Turns in steps that the small-angle formula is exact for.
@@ -84,8 +90,17 @@ mod tests {
     fn still(dt: f32) -> Increment {
         Increment {
             angle: Vec3::ZERO,
+            swept: Vec3::ZERO,
             velocity: Vec3::new(0.0, 0.0, -GRAVITY) * dt,
             dt,
+        }
+    }
+
+    fn turning(rate: Vec3, dt: f32) -> Increment {
+        Increment {
+            angle: rate * dt,
+            dt,
+            ..Increment::default()
         }
     }
 
@@ -131,9 +146,9 @@ mod tests {
             let rate = Vec3::new(x, y, z);
             for _ in 0..50 {
                 for _ in 0..10 {
-                    often.step(&Increment { angle: rate * 0.001, velocity: Vec3::ZERO, dt: 0.001 }, None);
+                    often.step(&turning(rate, 0.001), None);
                 }
-                rarely.step(&Increment { angle: rate * 0.01, velocity: Vec3::ZERO, dt: 0.01 }, None);
+                rarely.step(&turning(rate, 0.01), None);
             }
             prop_assert!(often.attitude().error_to(rarely.attitude()).max_norm() < 1e-3);
         }

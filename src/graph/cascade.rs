@@ -8,11 +8,13 @@
 //! motion (clock of the integrals) ---------------+             |
 //! setpoint's thrust -------------------------------------------+
 //! ```
-//! `motion` clocks every state: attitude and integrals advance exactly when it ticks.
+//! `motion` clocks every state. The attitude advances when it ticks, the integrals also where one
+//! *stretch* of time ends: a part of the motion in which neither the setpoint nor saturation
+//! changed, so that what they come to does not depend on how often control runs.
 
 use crate::airframe::{Mixed, Mixer, MotorShares};
 use crate::config::{ARMED_MINIMUM, MOTORS};
-use crate::control::{AttitudeLaw, RateInput, RateLaw, RateState, Setpoint, Wanted};
+use crate::control::{AttitudeLaw, RateInput, RateLaw, RateState, RateStretch, Setpoint, Wanted};
 use crate::dataflow::{Dirty, Value};
 use crate::estimate::{AttitudeFilter, Increment, Motion, Rotation};
 use crate::math::{Quaternion, Vec3};
@@ -57,13 +59,17 @@ pub struct Cascade {
     rate_state: RateState,
 
     motion: Increment,
+    /// The motion that the integrals have taken of what the next run will take.
+    integrated: Increment,
+    /// The motors cannot give what is asked for, by the newest command that was computed.
+    saturated: bool,
     heading_error: Option<f32>,
     rotation: Value<Rotation>,
     setpoint: Value<Setpoint>,
     attitude: Value<Quaternion>,
     wanted: Value<Wanted>,
-    /// What the newest setpoint will ask for, at the attitude of the last run.
-    foreseen: Wanted,
+    /// What the newest setpoint asks for, at the attitude of the last run.
+    newest: Wanted,
     torque: Value<TorqueDemand>,
     command: Value<Mixed>,
     /// No motion is seen: torque demands would only repeat the last one.
@@ -80,12 +86,14 @@ impl Default for Cascade {
             filter: AttitudeFilter::default(),
             rate_state: RateState::default(),
             motion: Increment::default(),
+            integrated: Increment::default(),
+            saturated: false,
             heading_error: None,
             rotation: Value::default(),
             setpoint: Value::default(),
             attitude: Value::default(),
             wanted: Value::default(),
-            foreseen: Wanted::default(),
+            newest: Wanted::default(),
             torque: Value::default(),
             command: Value::new(Mixed {
                 shares: [ARMED_MINIMUM; MOTORS],
@@ -131,10 +139,11 @@ impl Cascade {
         }
     }
 
-    /// A new setpoint.
-    pub fn set_setpoint(&mut self, setpoint: Setpoint) {
+    /// A new setpoint, given when this motion since the last run was summed.
+    pub fn set_setpoint(&mut self, setpoint: Setpoint, so_far: &Increment) {
+        self.end_stretch(so_far);
         self.dirty |= self.setpoint.set(setpoint, Node::Setpoint.mark());
-        self.foreseen = self.attitude_law.wanted(self.attitude(), &setpoint);
+        self.newest = self.attitude_law.wanted(self.attitude(), &setpoint);
     }
 
     /// The setpoint in force.
@@ -153,66 +162,81 @@ impl Cascade {
     pub fn propagate(&mut self) -> Dirty {
         use Node::{Attitude, Motion, Rotation, Setpoint, Torque, WantedRates};
         let mut dirty = self.dirty.take();
-        let motion = if dirty.any(Motion.mark()) {
-            self.filter.step(&self.motion, self.heading_error);
-            self.motion
-        } else {
-            Increment::default()
-        };
+        if dirty.any(Motion.mark()) {
+            let motion = self.motion;
+            self.end_stretch(&motion);
+            self.integrated = Increment::default();
+            self.filter.step(&motion, self.heading_error);
+        }
         if dirty.any(Motion.mark().or(Attitude.mark())) {
             dirty |= self.attitude.set(self.filter.attitude(), Attitude.mark());
         }
         if dirty.any(Attitude.mark().or(Setpoint.mark())) {
-            self.foreseen = self
+            self.newest = self
                 .attitude_law
                 .wanted(*self.attitude.get(), self.setpoint.get());
-            dirty |= self.wanted.set(self.foreseen, WantedRates.mark());
+            dirty |= self.wanted.set(self.newest, WantedRates.mark());
         }
         if dirty.any(Motion.mark().or(Rotation.mark()).or(WantedRates.mark())) {
-            let input = self.rate_input(self.wanted.get().rates, self.rotation.get(), &motion);
-            let torque = if self.blind {
-                TorqueDemand::default()
-            } else {
-                self.rate_law.step(&mut self.rate_state, &input)
-            };
+            let wanted = self.wanted.get().rates;
+            let torque = self.torque(&self.rate_state, wanted, self.rotation.get());
             dirty |= self.torque.set(torque, Torque.mark());
         }
         if dirty.any(Torque.mark().or(Setpoint.mark())) {
             let mixed = self
                 .mixer
                 .mix(*self.torque.get(), self.setpoint.get().thrust);
+            self.saturated = mixed.saturated;
             dirty |= self.command.set(mixed, Node::Command.mark());
         }
         dirty
     }
 
-    fn rate_input(&self, wanted: BodyRates, rotation: &Rotation, sums: &Increment) -> RateInput {
-        RateInput {
+    fn torque(&self, state: &RateState, wanted: BodyRates, rotation: &Rotation) -> TorqueDemand {
+        if self.blind {
+            return TorqueDemand::default();
+        }
+        let input = RateInput {
             wanted,
             measured: rotation.rates,
             acceleration: rotation.acceleration,
-            turned: sums.angle,
-            dt: sums.dt,
-            saturated: self.command.get().saturated,
-        }
+        };
+        self.rate_law.demand(state, &input)
     }
 
-    /// The command that a run would come to now, to first order; no state advances.
-    ///
-    /// Attitude and desired rates are those of the last run, moved by the angle turned since;
-    /// what gravity and heading correct in so short a time is left out. Rate loop and mixer,
-    /// with what saturates in them, are the very same.
-    #[must_use]
-    pub fn foresee(&self, motion: &Motion) -> MotorShares {
-        let wanted = self.foreseen.after_turn(motion.sums.angle);
-        let input = self.rate_input(wanted, &motion.rotation, &motion.sums);
-        let torque = if self.blind {
-            TorqueDemand::default()
-        } else {
-            self.rate_law.foresee(&self.rate_state, &input)
+    /// The integrals take the motion up to here, which is all of one stretch.
+    fn end_stretch(&mut self, so_far: &Increment) {
+        self.rate_state = self.rate_state_after(so_far);
+        self.integrated = *so_far;
+    }
+
+    fn rate_state_after(&self, so_far: &Increment) -> RateState {
+        let part = so_far.since(&self.integrated);
+        let stretch = RateStretch {
+            wanted: self.newest.integrated(part.swept, part.dt),
+            turned: part.angle,
+            saturated: self.saturated,
         };
-        let thrust = self.setpoint.get().thrust;
-        self.mixer.mix(torque, thrust).shares
+        self.rate_law.after(&self.rate_state, &stretch)
+    }
+
+    /// The command that a run would come to now: the very same estimator, laws and mixer.
+    ///
+    /// Advances nothing, but that a stretch ends where the motors begin or cease to saturate.
+    pub fn foresee(&mut self, motion: &Motion, heading_error: Option<f32>) -> MotorShares {
+        let attitude = self.filter.attitude_after(&motion.sums, heading_error);
+        let wanted = self
+            .attitude_law
+            .wanted(attitude, self.setpoint.get())
+            .rates;
+        let state = self.rate_state_after(&motion.sums);
+        let torque = self.torque(&state, wanted, &motion.rotation);
+        let mixed = self.mixer.mix(torque, self.setpoint.get().thrust);
+        if mixed.saturated != self.saturated {
+            self.end_stretch(&motion.sums);
+            self.saturated = mixed.saturated;
+        }
+        mixed.shares
     }
 
     /// The command last propagated.
@@ -249,7 +273,10 @@ mod tests {
 
     fn settled() -> Cascade {
         let mut graph = Cascade::default();
-        graph.set_setpoint(Setpoint::level(Thrust::new(0.5).expect("in range")));
+        graph.set_setpoint(
+            Setpoint::level(Thrust::new(0.5).expect("in range")),
+            &Increment::default(),
+        );
         graph.propagate();
         graph
     }
@@ -272,11 +299,15 @@ mod tests {
         graph.set_motion(&turning(0.1, Increment::default()), None);
         assert_eq!(visited(graph.propagate()), "Rotation Torque Command");
 
-        graph.set_setpoint(Setpoint::level(Thrust::new(0.6).expect("in range")));
+        graph.set_setpoint(
+            Setpoint::level(Thrust::new(0.6).expect("in range")),
+            &Increment::default(),
+        );
         assert_eq!(visited(graph.propagate()), "Setpoint Command");
 
         let motion = Increment {
             angle: Vec3::new(0.01, 0.0, 0.0),
+            swept: Vec3::ZERO,
             velocity: Vec3::new(0.0, 0.0, -GRAVITY * 0.001),
             dt: 0.001,
         };
@@ -290,7 +321,7 @@ mod tests {
     #[test]
     fn an_input_set_to_the_same_value_reaches_nothing() {
         let mut graph = settled();
-        graph.set_setpoint(*graph.setpoint());
+        graph.set_setpoint(*graph.setpoint(), &Increment::default());
         graph.set_motion(&Motion::default(), None);
         assert_eq!(visited(graph.propagate()), "");
     }

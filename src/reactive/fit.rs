@@ -16,11 +16,11 @@ use crate::sensors::Input;
 pub enum Fit {
     /// Too few labels, one class only, or no finite coefficients.
     ///
-    /// For the gyroscope also a change that tells nothing: all else is measured against it.
+    /// For the leading input also a change that tells nothing: all else is measured against it.
     Unfit,
-    /// Enough labels, and the change tells nothing, or less the larger it is: a model with a
-    /// rising probability explains the labels no better than a constant. The input joins and
-    /// never triggers.
+    /// Enough labels, and the change tells nothing that the leading input does not: there is
+    /// none, or that one always tells first, or no command changed with it, or a model with a rising probability explains the
+    /// labels no better than a constant. The input joins and never triggers.
     Irrelevant,
     /// The model.
     Model(Logistic),
@@ -31,6 +31,8 @@ pub enum Fit {
 pub struct RefitJob {
     /// Whose labels.
     pub input: Input,
+    /// The others are judged against this one: it is never irrelevant.
+    pub leads: bool,
     /// The labels.
     pub labels: Labels,
 }
@@ -50,7 +52,7 @@ impl RefitJob {
     #[must_use]
     pub fn fit(&self) -> Refit {
         let fit = match fit(&self.labels) {
-            Fit::Irrelevant if self.input == Input::Gyro => Fit::Unfit,
+            Fit::Irrelevant if self.leads => Fit::Unfit,
             fit => fit,
         };
         Refit {
@@ -68,15 +70,16 @@ const EVIDENCE: f32 = 10.83;
 /// Newton steps after the start; the likelihood is concave, they converge quadratically.
 const NEWTON_STEPS: u8 = 8;
 
-/// Labels without any change, beyond which an input is taken for constant.
-const CONSTANT: f32 = 200.0;
+/// Labels after which an input that never varies, or never told of a change, is done with.
+const ENOUGH: f32 = 200.0;
 
 fn fit(labels: &Labels) -> Fit {
-    let occupied = labels.bins().count();
-    if occupied < 2 && labels.total() >= CONSTANT {
+    const NEEDED: f32 = LABELS_OF_EACH_CLASS as f32;
+    let varies = labels.bins().count() >= 2;
+    if labels.with_overtaken() >= ENOUGH && !(varies && labels.of_changed() >= NEEDED) {
         return Fit::Irrelevant;
     }
-    if occupied < 2 || labels.of_rarer_class() < LABELS_OF_EACH_CLASS as f32 {
+    if !varies || labels.of_rarer_class() < NEEDED {
         return Fit::Unfit;
     }
     // In units of the mean change, so that both coefficients are of order one.
@@ -200,15 +203,20 @@ impl Normal {
 mod tests {
     use super::*;
     use crate::config::{CHIP_MAG, GYRO};
+    use crate::reactive::Label;
     use proptest::prelude::*;
+
+    fn label(x: f32, changed: bool, weight: f32) -> Label {
+        Label { x, changed, weight }
+    }
 
     /// Labels with exactly the expected share of *changed* at each change.
     fn labelled(model: Logistic, changes: impl Iterator<Item = f32>) -> Labels {
-        let mut labels = Labels::new(&GYRO);
+        let mut labels = Labels::new(&GYRO.changes);
         for x in changes {
             let share = model.probability(x);
-            labels.add(x, true, 20.0 * share);
-            labels.add(x, false, 20.0 * (1.0 - share));
+            labels.add(&label(x, true, 20.0 * share));
+            labels.add(&label(x, false, 20.0 * (1.0 - share)));
         }
         labels
     }
@@ -231,9 +239,9 @@ mod tests {
         fn any_labels_give_finite_coefficients_or_none(
             labels in prop::collection::vec((0.0f32..20.0, any::<bool>(), 0.0f32..300.0), 0..200)
         ) {
-            let mut all = Labels::new(&GYRO);
+            let mut all = Labels::new(&GYRO.changes);
             for (x, changed, weight) in labels {
-                all.add(x, changed, weight);
+                all.add(&label(x, changed, weight));
             }
             if let Fit::Model(model) = fit(&all) {
                 prop_assert!(model.b1.is_finite() && model.b2.is_finite() && model.b2 > 0.0);
@@ -243,38 +251,54 @@ mod tests {
 
     #[test]
     fn too_few_labels_of_one_class_are_unfit() {
-        let mut labels = Labels::new(&GYRO);
+        let mut labels = Labels::new(&GYRO.changes);
         for i in 0..1000 {
-            labels.add(i as f32 * 0.001, i % 40 == 0, 1.0);
+            labels.add(&label(i as f32 * 0.001, i % 40 != 0, 1.0));
         }
         assert_eq!(fit(&labels), Fit::Unfit);
     }
 
     #[test]
-    fn a_probability_that_falls_with_the_change_is_irrelevant_but_for_the_gyroscope() {
-        let mut labels = Labels::new(&GYRO);
+    fn a_probability_that_falls_with_the_change_is_irrelevant_but_for_the_leading_input() {
+        let mut labels = Labels::new(&GYRO.changes);
         for i in 0..1000 {
-            labels.add(i as f32 * 0.001, i < 400, 1.0);
+            labels.add(&label(i as f32 * 0.001, i < 400, 1.0));
         }
-        let fit = |input| RefitJob { input, labels }.fit().fit;
-        assert_eq!(fit(Input::Accel), Fit::Irrelevant);
-        assert_eq!(fit(Input::Gyro), Fit::Unfit);
+        let fit = |leads| {
+            let job = RefitJob {
+                input: Input::Gyro,
+                leads,
+                labels,
+            };
+            job.fit().fit
+        };
+        assert_eq!(fit(false), Fit::Irrelevant);
+        assert_eq!(fit(true), Fit::Unfit);
+    }
+
+    #[test]
+    fn an_input_that_never_told_of_a_changed_command_is_irrelevant() {
+        let mut labels = Labels::new(&GYRO.changes);
+        for i in 0..1000 {
+            labels.add(&label(i as f32 * 0.001, i % 100 == 0, 1.0));
+        }
+        assert_eq!(fit(&labels), Fit::Irrelevant);
     }
 
     #[test]
     fn a_constant_input_is_irrelevant() {
-        let mut labels = Labels::new(&CHIP_MAG);
+        let mut labels = Labels::new(&CHIP_MAG.changes);
         for i in 0..1000 {
-            labels.add(0.0, i % 3 == 0, 1.0);
+            labels.add(&label(0.0, i % 3 == 0, 1.0));
         }
         assert_eq!(fit(&labels), Fit::Irrelevant);
     }
 
     #[test]
     fn separated_classes_still_give_a_finite_threshold_between_them() {
-        let mut labels = Labels::new(&GYRO);
+        let mut labels = Labels::new(&GYRO.changes);
         for i in 0..1000 {
-            labels.add(i as f32 * 0.001, i >= 500, 1.0);
+            labels.add(&label(i as f32 * 0.001, i >= 500, 1.0));
         }
         let Fit::Model(model) = fit(&labels) else {
             panic!("no model");

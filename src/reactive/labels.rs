@@ -3,9 +3,9 @@
 //! A label is a change `x` and whether the command would have changed. Bins are spaced by the
 //! logarithm of `x`; each keeps the weight of its labels, the part that was *changed*, and the
 //! weighted sum of `x`, so that a bin speaks for the mean of what fell into it and not for its
-//! middle. 288 bytes an input, whatever the length of the flight.
+//! middle. 304 bytes an input, whatever the length of the flight.
 
-use crate::config::SensorInput;
+use crate::config::Changes;
 
 /// Number of bins.
 pub const BIN_COUNT: usize = 24;
@@ -18,6 +18,18 @@ pub struct Labels {
     per_bin: f32,
     unchanged: f32,
     changed: f32,
+    overtaken: f32,
+}
+
+/// One label: what a run did, or would have done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Label {
+    /// The change, in the input's unit.
+    pub x: f32,
+    /// The command changed by a quantum or more.
+    pub changed: bool,
+    /// How much it counts.
+    pub weight: f32,
 }
 
 /// The labels whose change fell into one interval.
@@ -42,20 +54,22 @@ fn logarithm(x: f32) -> f32 {
 impl Labels {
     /// No labels, bins spanning the input's changes.
     #[must_use]
-    pub fn new(input: &SensorInput) -> Self {
-        let smallest = logarithm(input.smallest_change);
-        let span = logarithm(input.largest_change) - smallest;
+    pub fn new(changes: &Changes) -> Self {
+        let smallest = logarithm(changes.smallest);
+        let span = logarithm(changes.largest) - smallest;
         Self {
             bins: [Bin::default(); BIN_COUNT],
             smallest,
             per_bin: BIN_COUNT as f32 / span,
             unchanged: 0.0,
             changed: 0.0,
+            overtaken: 0.0,
         }
     }
 
     /// Counts a label; one that is not finite or negative, or of no weight, is ignored.
-    pub fn add(&mut self, x: f32, changed: bool, weight: f32) {
+    pub fn add(&mut self, label: &Label) {
+        let &Label { x, changed, weight } = label;
         if !(x >= 0.0 && x.is_finite() && weight > 0.0 && weight.is_finite()) {
             return;
         }
@@ -84,6 +98,24 @@ impl Labels {
         }
         self.changed *= share;
         self.unchanged *= share;
+        self.overtaken *= share;
+    }
+
+    /// Counts a hold that the leading input ended before this one's change told anything.
+    pub fn add_overtaken(&mut self) {
+        self.overtaken += 1.0;
+    }
+
+    /// The weight of all labels, and of the holds that the leading input ended.
+    #[must_use]
+    pub fn with_overtaken(&self) -> f32 {
+        self.total() + self.overtaken
+    }
+
+    /// The weight of labels that were *changed*.
+    #[must_use]
+    pub fn of_changed(&self) -> f32 {
+        self.changed
     }
 
     /// The weight of labels of the rarer class.
@@ -110,6 +142,10 @@ mod tests {
     use crate::config::GYRO;
     use proptest::prelude::*;
 
+    fn label(x: f32, changed: bool, weight: f32) -> Label {
+        Label { x, changed, weight }
+    }
+
     #[test]
     fn the_statistics_of_an_input_take_at_most_512_bytes() {
         assert!(size_of::<Labels>() <= 512);
@@ -117,11 +153,11 @@ mod tests {
 
     #[test]
     fn labels_that_are_no_numbers_are_ignored() {
-        let mut labels = Labels::new(&GYRO);
+        let mut labels = Labels::new(&GYRO.changes);
         for x in [f32::NAN, f32::INFINITY, -1.0] {
-            labels.add(x, true, 1.0);
+            labels.add(&label(x, true, 1.0));
         }
-        labels.add(0.1, true, 0.0);
+        labels.add(&label(0.1, true, 0.0));
         assert_eq!(labels.total(), 0.0);
     }
 
@@ -130,9 +166,9 @@ mod tests {
         fn every_label_is_counted_once_and_bins_keep_their_mean(
             xs in prop::collection::vec((0.0f32..10.0, any::<bool>()), 1..300)
         ) {
-            let mut labels = Labels::new(&GYRO);
+            let mut labels = Labels::new(&GYRO.changes);
             for &(x, changed) in &xs {
-                labels.add(x, changed, 1.0);
+                labels.add(&label(x, changed, 1.0));
             }
             prop_assert_eq!(labels.total(), xs.len() as f32);
             let sum: f32 = labels.bins().map(|bin| bin.sum).sum();

@@ -3,38 +3,65 @@
 //! A command that is held ages, and the change that has then piled up is not the change from
 //! one sample to the next. So the warm-up pretends: for each of some candidate thresholds it
 //! holds a command and the sample behind it, waits until the change first crosses the
-//! candidate (or the failsafe would have come), labels that crossing, and holds anew.
+//! candidate (or the failsafe would have come), labels that crossing, and holds anew. Where
+//! the leading input would have asked for a run first, there is nothing left to learn of the
+//! others: the hold is *overtaken*, as runs that several inputs ask for teach nothing.
 
-use super::Labels;
+use super::{Label, Labels, Sample};
 use crate::airframe::MotorShares;
-use crate::config::{MOTORS, SensorInput};
+use crate::config::{Changes, HYPERPERIOD, MOTORS};
 use crate::math::Vec3;
-use crate::settings::Reference;
+use crate::settings::{Pairs, Reference};
 use crate::time::{Duration, Instant, span};
 
-/// Number of candidate thresholds.
+/// Number of candidate thresholds, and of lags.
 const CANDIDATES: usize = 12;
+
+/// From one lag to the next, in hyperperiods: 12 lags from 1 to 90.
+const LAG_STEP: f32 = 1.506;
 
 /// A command in force and the sample behind it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Held {
+pub struct Held<S = Vec3> {
     /// The input's sample that the command was computed from.
-    pub sample: Vec3,
+    pub sample: S,
     /// The command.
     pub command: MotorShares,
+    /// The gyroscope's rates behind it, in rad/s: they lead where no command is foreseen.
+    pub rates: Vec3,
+}
+
+/// The input that is asked first, and the change past which it calls for a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lead {
+    /// The foreseen command, past this share of full scale.
+    Command(f32),
+    /// The gyroscope, past this rate in rad/s.
+    Gyro(f32),
+    /// Nobody: the labels are the leading input's own.
+    Itself,
 }
 
 /// The shadow holds of one input.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShadowHolds {
-    holds: [Hold; CANDIDATES],
+pub struct ShadowHolds<S = Vec3> {
+    holds: [Hold<S>; CANDIDATES],
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Hold {
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Hold<S> {
+    /// The change that ends it.
     threshold: f32,
-    held: Held,
-    since: Option<Instant>,
+    /// The samples that end it.
+    lag: u16,
+    held: Option<(Instant, Held<S>)>,
+}
+
+/// How a hold ended.
+enum End {
+    Label(Label),
+    /// The leading input asked first.
+    Overtaken,
 }
 
 /// What labels depend on.
@@ -42,23 +69,32 @@ struct Hold {
 pub struct Rule {
     /// What a change is measured against.
     pub reference: Reference,
+    /// When a hold ends.
+    pub pairs: Pairs,
     /// The change of a command that counts.
     pub quantum: f32,
     /// The longest hold.
     pub failsafe: Duration,
 }
 
-impl ShadowHolds {
+impl<S: Sample> ShadowHolds<S> {
     /// Candidates spread evenly in the logarithm over the input's changes.
     #[must_use]
-    pub fn new(input: &SensorInput) -> Self {
-        let ratio = input.largest_change / input.smallest_change;
+    pub fn new(changes: &Changes) -> Self {
+        let ratio = changes.largest / changes.smallest;
         let step = libm::powf(ratio, 1.0 / (CANDIDATES as f32 + 1.0));
-        let mut threshold = input.smallest_change;
-        let mut holds = [Hold::default(); CANDIDATES];
+        let mut threshold = changes.smallest;
+        let mut lag = 1.0;
+        let mut holds = [Hold {
+            threshold,
+            lag: 1,
+            held: None,
+        }; CANDIDATES];
         for hold in &mut holds {
             threshold *= step;
             hold.threshold = threshold;
+            hold.lag = lag as u16;
+            lag *= LAG_STEP;
         }
         Self { holds }
     }
@@ -66,37 +102,74 @@ impl ShadowHolds {
     /// Forgets what is held: the next sample starts all holds.
     pub fn restart(&mut self) {
         for hold in &mut self.holds {
-            hold.since = None;
+            hold.held = None;
         }
     }
 
     /// Takes the newest sample and command; adds a label for every hold that ends.
-    pub fn take(&mut self, now: Instant, newest: &Held, rule: &Rule, labels: &mut Labels) {
-        for hold in &mut self.holds {
-            hold.take(now, newest, rule, labels);
+    pub fn take(
+        &mut self,
+        now: Instant,
+        newest: &Held<S>,
+        rule: &Rule,
+        lead: &Lead,
+        labels: &mut Labels,
+    ) {
+        let holds = match rule.pairs {
+            Pairs::Published => 1,
+            Pairs::FirstCrossings | Pairs::WeightedLags => CANDIDATES,
+        };
+        for hold in self.holds.iter_mut().take(holds) {
+            match hold.take(now, newest, rule, lead) {
+                Some(End::Label(label)) => labels.add(&label),
+                Some(End::Overtaken) => labels.add_overtaken(),
+                None => {}
+            }
         }
     }
 }
 
-impl Hold {
-    fn take(&mut self, now: Instant, newest: &Held, rule: &Rule, labels: &mut Labels) {
-        let Some(since) = self.since else {
-            self.begin(now, newest);
-            return;
+impl<S: Sample> Hold<S> {
+    fn take(&mut self, now: Instant, newest: &Held<S>, rule: &Rule, lead: &Lead) -> Option<End> {
+        let Some((since, held)) = &mut self.held else {
+            self.held = Some((now, *newest));
+            return None;
         };
-        let x = (newest.sample - self.held.sample).max_norm();
-        if x >= self.threshold || span(since, now) >= rule.failsafe {
-            let changed = differs(&newest.command, &self.held.command, rule.quantum);
-            labels.add(x, changed, 1.0);
-            self.begin(now, newest);
-        } else if rule.reference == Reference::PreviousSample {
-            self.held.sample = newest.sample;
+        if lead.calls(newest, held) {
+            self.held = Some((now, *newest));
+            return Some(End::Overtaken);
         }
+        let x = newest.sample.change_since(&held.sample);
+        let age = span(*since, now);
+        let ends = match rule.pairs {
+            Pairs::FirstCrossings => x >= self.threshold,
+            Pairs::WeightedLags | Pairs::Published => {
+                age + HYPERPERIOD / 2 >= HYPERPERIOD * u32::from(self.lag)
+            }
+        };
+        if !(ends || age >= rule.failsafe) {
+            if rule.reference == Reference::PreviousSample {
+                held.sample = newest.sample;
+            }
+            return None;
+        }
+        let label = Label {
+            x,
+            changed: differs(&newest.command, &held.command, rule.quantum),
+            weight: 1.0,
+        };
+        self.held = Some((now, *newest));
+        Some(End::Label(label))
     }
+}
 
-    fn begin(&mut self, now: Instant, newest: &Held) {
-        self.held = *newest;
-        self.since = Some(now);
+impl Lead {
+    fn calls<S>(&self, newest: &Held<S>, held: &Held<S>) -> bool {
+        match self {
+            Self::Command(threshold) => newest.command.change_since(&held.command) > *threshold,
+            Self::Gyro(threshold) => newest.rates.change_since(&held.rates) > *threshold,
+            Self::Itself => false,
+        }
     }
 }
 
@@ -118,6 +191,7 @@ mod tests {
     fn rule(reference: Reference) -> Rule {
         Rule {
             reference,
+            pairs: Pairs::FirstCrossings,
             quantum: 1.0 / 255.0,
             failsafe: micros(100_000),
         }
@@ -125,18 +199,20 @@ mod tests {
 
     /// A slow ramp of the sample, with a command that follows it.
     fn ramp(reference: Reference) -> Labels {
-        let mut holds = ShadowHolds::new(&GYRO);
-        let mut labels = Labels::new(&GYRO);
+        let mut holds = ShadowHolds::new(&GYRO.changes);
+        let mut labels = Labels::new(&GYRO.changes);
         for step in 0..20_000u64 {
             let rate = step as f32 * 1e-4;
             let newest = Held {
                 sample: Vec3::new(rate, 0.0, 0.0),
                 command: [0.5 + 0.06 * rate; MOTORS],
+                rates: Vec3::ZERO,
             };
             holds.take(
                 at_micros(step * 1000),
                 &newest,
                 &rule(reference),
+                &Lead::Itself,
                 &mut labels,
             );
         }

@@ -3,11 +3,12 @@
 //! Little-endian: magic `RFLX`, version, length, the fields in the order of [`Settings`],
 //! CRC-32 of all before it. A change of the fields raises the version.
 
-use super::{MotorProtocol, Policy, Reference, Settings, SettingsError, WarmUp};
+use super::{Feedback, MotorProtocol, Pairs, Policy, Reference, Settings, SettingsError, WarmUp};
+use crate::sensors::Inputs;
 use crate::time::micros;
 
 const MAGIC: [u8; 4] = *b"RFLX";
-const VERSION: u16 = 1;
+const VERSION: u16 = 2;
 const CHECKSUM: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
 /// Length of the whole block in bytes.
@@ -68,7 +69,19 @@ impl Settings {
         writer.put((self.failsafe.ticks() as u32).to_le_bytes());
         writer.put(self.quantum.to_le_bytes());
         writer.put(self.seed.to_le_bytes());
-        writer.put([0; 4]);
+        writer.put([
+            self.triggers.bits(),
+            match self.pairs {
+                Pairs::FirstCrossings => 0,
+                Pairs::WeightedLags => 1,
+                Pairs::Published => 2,
+            },
+            match self.feedback {
+                Feedback::Every => 0,
+                Feedback::Published => 1,
+            },
+            0,
+        ]);
         let checksum = CHECKSUM.checksum(writer.written());
         writer.put(checksum.to_le_bytes());
         bytes
@@ -136,6 +149,10 @@ impl Reader<'_> {
         let period = u32::from_le_bytes(self.take());
         let p_run = f32::from_le_bytes(self.take());
         let length = u32::from_le_bytes(self.take());
+        let failsafe = u32::from_le_bytes(self.take());
+        let quantum = f32::from_le_bytes(self.take());
+        let seed = u32::from_le_bytes(self.take());
+        let [triggers, pairs, feedback, _] = self.take();
         Some(Settings {
             policy: match policy {
                 0 => Policy::Reactive,
@@ -153,14 +170,26 @@ impl Reader<'_> {
                 1 => WarmUp::Fixed(micros(u64::from(length))),
                 _ => return None,
             },
-            failsafe: micros(u64::from(u32::from_le_bytes(self.take()))),
-            quantum: f32::from_le_bytes(self.take()),
+            failsafe: micros(u64::from(failsafe)),
+            quantum,
             motors: match motors {
                 0 => MotorProtocol::OneShot125,
                 1 => MotorProtocol::Pwm,
                 _ => return None,
             },
-            seed: u32::from_le_bytes(self.take()),
+            triggers: Inputs::from_bits(triggers | 1),
+            pairs: match pairs {
+                0 => Pairs::FirstCrossings,
+                1 => Pairs::WeightedLags,
+                2 => Pairs::Published,
+                _ => return None,
+            },
+            feedback: match feedback {
+                0 => Feedback::Every,
+                1 => Feedback::Published,
+                _ => return None,
+            },
+            seed,
         })
     }
 }
@@ -199,6 +228,7 @@ mod tests {
             p_run in 0.01f32..0.99, failsafe in 3_000u64..1_000_000, quantum in 0.001f32..0.5,
             seed: u32, period in prop::option::of(1_000u64..1_000_000),
             warm_up in prop::option::of(0u64..30_000_000), previous: bool, pwm: bool,
+            triggers in 0u8..64, published: bool,
         ) {
             let settings = Settings {
                 policy: period.map_or(Policy::Reactive, |period| Policy::Periodic(micros(period))),
@@ -208,6 +238,9 @@ mod tests {
                 failsafe: micros(failsafe),
                 quantum,
                 motors: if pwm { MotorProtocol::Pwm } else { MotorProtocol::OneShot125 },
+                triggers: Inputs::from_bits(triggers | 1),
+                pairs: if published { Pairs::Published } else { Pairs::WeightedLags },
+                feedback: if published { Feedback::Published } else { Feedback::Every },
                 seed,
             };
             prop_assert_eq!(Settings::from_bytes(&settings.to_bytes()), Ok(settings));

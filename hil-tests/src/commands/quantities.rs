@@ -1,5 +1,6 @@
-//! Numbers of the command line: finite, with their units.
+//! Values of the command line: finite numbers with their units, sets of inputs.
 
+use reflex::sensors::{Input, Inputs};
 use reflex::settings::WarmUp;
 use reflex::time::{Duration, micros};
 
@@ -35,6 +36,20 @@ pub(super) fn warm_up(text: &str) -> Result<WarmUp, String> {
     }
 }
 
+/// `all`, or names of inputs with commas between them.
+pub(super) fn inputs(text: &str) -> Result<Inputs, String> {
+    if text == "all" {
+        return Ok(Inputs::ALL);
+    }
+    text.split(',').try_fold(Inputs::NONE, |all, name| {
+        let input = Input::ALL.into_iter().find(|input| input.key() == name);
+        input.map(|input| all.with(input)).ok_or_else(|| {
+            let known: Vec<&str> = Input::ALL.iter().map(|input| input.key()).collect();
+            format!("`{name}` is none of {}", known.join(", "))
+        })
+    })
+}
+
 /// Seconds as a span; negative ones are no time, too many are the longest time.
 pub(super) fn duration(seconds: f64) -> Duration {
     micros((seconds * 1e6).round() as u64)
@@ -59,6 +74,15 @@ mod tests {
         for text in ["1/0", "0/0", "1/", "/2", "1/2/3", "one"] {
             assert!(share(text).is_err(), "{text}");
         }
+    }
+
+    #[test]
+    fn inputs_are_named_as_in_the_configuration() {
+        let two = Inputs::NONE.with(Input::Gyro).with(Input::ChipMag);
+        assert_eq!(inputs("gyro,chip-mag"), Ok(two));
+        assert_eq!(inputs("all"), Ok(Inputs::ALL));
+        let line = inputs("gyro,baro").unwrap_err();
+        assert!(line.starts_with("`baro` is none of gyro, accel"), "{line}");
     }
 
     #[test]

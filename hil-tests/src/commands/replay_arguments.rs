@@ -4,10 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use reflex::config;
-use reflex::settings::{MotorProtocol, Policy, Reference, Settings, SettingsError, WarmUp};
+use reflex::sensors::Inputs;
+use reflex::settings::{
+    Feedback, MotorProtocol, Pairs, Policy, Reference, Settings, SettingsError, WarmUp,
+};
 use reflex::time::Duration;
 
-use super::quantities::{duration, number, share, warm_up};
+use super::quantities::{duration, inputs, number, share, warm_up};
 use crate::flights::Rotate;
 use crate::refusal::Refusal;
 use crate::replay_options::ReplayOptions;
@@ -27,6 +30,15 @@ pub(super) struct ReplayArguments {
     /// What a change is measured against
     #[arg(long, value_enum)]
     reference: Option<ReferenceName>,
+    /// Inputs that may ask for a run: `all`, or of gyro, accel, chip-accel, chip-mag, turned, command
+    #[arg(long, value_name = "INPUT,...", value_parser = inputs)]
+    triggers: Option<Inputs>,
+    /// Pairs of samples that the warm-up learns from
+    #[arg(long, value_enum)]
+    pairs: Option<PairsName>,
+    /// Runs that reactive control learns from
+    #[arg(long, value_enum)]
+    feedback: Option<FeedbackName>,
     /// Probability of a changed command that calls for a run, above 0 and below 1
     #[arg(long, value_name = "P", value_parser = number, allow_negative_numbers = true)]
     p_run: Option<f64>,
@@ -72,6 +84,19 @@ enum PolicyName {
 enum ReferenceName {
     PreviousSample,
     LastRun,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PairsName {
+    FirstCrossings,
+    WeightedLags,
+    Published,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum FeedbackName {
+    Every,
+    Published,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -138,6 +163,16 @@ impl ReplayArguments {
                 MotorsName::OneShot125 => MotorProtocol::OneShot125,
                 MotorsName::Pwm => MotorProtocol::Pwm,
             }),
+            triggers: self.triggers.unwrap_or(defaults.triggers),
+            pairs: self.pairs.map_or(defaults.pairs, |name| match name {
+                PairsName::FirstCrossings => Pairs::FirstCrossings,
+                PairsName::WeightedLags => Pairs::WeightedLags,
+                PairsName::Published => Pairs::Published,
+            }),
+            feedback: self.feedback.map_or(defaults.feedback, |name| match name {
+                FeedbackName::Every => Feedback::Every,
+                FeedbackName::Published => Feedback::Published,
+            }),
             seed: self.seed.unwrap_or(defaults.seed),
         };
         settings
@@ -163,6 +198,9 @@ impl ReplayArguments {
         }
         for (option, given) in [
             ("--reference", self.reference.is_some()),
+            ("--triggers", self.triggers.is_some()),
+            ("--pairs", self.pairs.is_some()),
+            ("--feedback", self.feedback.is_some()),
             ("--p-run", self.p_run.is_some()),
             ("--warm-up", self.warm_up.is_some()),
         ] {
@@ -232,6 +270,7 @@ fn option_of(error: SettingsError) -> &'static str {
         SettingsError::Quantum => "--quantum",
         SettingsError::Period => "--rate",
         SettingsError::WarmUp => "--warm-up",
+        SettingsError::Triggers => "--triggers",
     }
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use reflex::app::{Call, ChipOrder, Fault, Reason};
 use reflex::reactive::{Fit, Phase};
 use reflex::sensors::{Cause, Input};
-use reflex::settings::{MotorProtocol, Policy, Reference, WarmUp};
+use reflex::settings::{Feedback, MotorProtocol, Pairs, Policy, Reference, WarmUp};
 
 use super::alignment::{AlignedRun, Alignment};
 use super::bench::{SampleCount, TestBench, held};
@@ -78,6 +78,20 @@ impl About<'_, '_> {
                 Reference::PreviousSample => "previous-sample".into(),
                 Reference::LastRun => "last-run".into(),
             },
+            triggers: Input::ALL
+                .into_iter()
+                .filter(|input| settings.triggers.contains(*input))
+                .map(|input| input.key().into())
+                .collect(),
+            pairs: match settings.pairs {
+                Pairs::FirstCrossings => "first-crossings".into(),
+                Pairs::WeightedLags => "weighted-lags".into(),
+                Pairs::Published => "published".into(),
+            },
+            feedback: match settings.feedback {
+                Feedback::Every => "every".into(),
+                Feedback::Published => "published".into(),
+            },
             p_run: short(settings.p_run),
             warm_up_s: match settings.warm_up {
                 WarmUp::Automatic => None,
@@ -135,19 +149,24 @@ impl About<'_, '_> {
         let since =
             |edges: &[u64]| (edges.len() - edges.partition_point(|at| *at <= from_ns)) as u64;
         let line = match input {
-            Input::Gyro | Input::Accel => Line::ImuReady,
+            Input::Gyro | Input::Accel | Input::Turned | Input::Command => Line::ImuReady,
             Input::ChipAccel => Line::AccelThreshold,
             Input::ChipMag => Line::MagEvent,
         };
         let interrupts = since(&self.observation.edges[line.pin() as usize]);
         let samples = match input {
             // Every sample of the MPU6050 pulses its line.
-            Input::Gyro | Input::Accel => interrupts,
+            Input::Gyro | Input::Accel | Input::Turned | Input::Command => interrupts,
             Input::ChipAccel => samples_since(&self.bench.samples, from_ns, |count| count.accel),
             Input::ChipMag => samples_since(&self.bench.samples, from_ns, |count| count.mag),
         };
         let present = input != Input::ChipMag || self.flight.mag.is_some();
         let fit = self.story.mirror.fit(input);
+        // Commands are shares of full scale in the firmware.
+        let unit = match input {
+            Input::Command => self.options.settings.quantum,
+            _ => 1.0,
+        };
         let model = match fit {
             Fit::Model(model) => Some(model),
             Fit::Unfit | Fit::Irrelevant => None,
@@ -160,18 +179,20 @@ impl About<'_, '_> {
             triggers: self
                 .scored_runs()
                 .filter(|run| run.ran.reason == Reason::Trigger)
-                .filter(|run| run.ran.asked >> input as u8 & 1 == 1)
+                .filter(|run| run.ran.asked.contains(input))
                 .count() as u64,
             state: self.state(fit, present),
-            threshold: model.map(|_| short(self.story.mirror.threshold(input))),
+            threshold: model.map(|_| short(self.story.mirror.threshold(input) / unit)),
             unit: match input {
+                Input::Command => "quanta",
+                Input::Turned => "rad",
                 Input::Gyro => "rad/s",
                 Input::Accel | Input::ChipAccel => "m/s2",
                 Input::ChipMag => "gauss",
             }
             .into(),
             chip_threshold: match input {
-                Input::Gyro | Input::Accel => None,
+                Input::Gyro | Input::Accel | Input::Turned | Input::Command => None,
                 Input::ChipAccel => accel_threshold(&held(&self.bench.accel)),
                 Input::ChipMag => mag_threshold(&held(&self.bench.mag)),
             },
@@ -186,7 +207,7 @@ impl About<'_, '_> {
                 _ => false,
             }),
             b1: model.map(|model| short(model.b1)),
-            b2: model.map(|model| short(model.b2)),
+            b2: model.map(|model| short(model.b2 * unit)),
         }
     }
 

@@ -1,7 +1,7 @@
 //! From a gating sample's interrupt to the motors: how long, made of what.
 
 use reflex::app::Reason;
-use reflex::sensors::Input;
+use reflex::sensors::Inputs;
 
 use super::alignment::AlignedRun;
 use super::observation::Observation;
@@ -33,16 +33,19 @@ pub(super) fn samples(runs: &[AlignedRun]) -> Vec<LatencySample> {
         .collect()
 }
 
-/// What the latency of the runs that the gyro asked for is made of.
+/// Whether a sample of the MPU6050 asked for the run, by itself or by what derives from it.
+pub(super) fn is_asked_by_sample(run: &AlignedRun) -> bool {
+    run.ran.reason == Reason::Trigger && run.ran.asked.meets(Inputs::OF_IMU)
+}
+
+/// What the latency of the runs that the MPU6050's samples asked for is made of.
 pub(super) fn parts<'r>(
     observation: &Observation,
     runs: impl Iterator<Item = &'r AlignedRun>,
 ) -> Vec<LatencyPart> {
     let mut micros: [Vec<f64>; PARTS.len()] = Default::default();
-    let by_gyro = runs.filter(|run| {
-        run.ran.reason == Reason::Trigger && run.ran.asked >> Input::Gyro as u8 & 1 == 1
-    });
-    for way in by_gyro.filter_map(|run| way(observation, run)) {
+    let by_sample = runs.filter(|run| is_asked_by_sample(run));
+    for way in by_sample.filter_map(|run| way(observation, run)) {
         for (part, pair) in micros.iter_mut().zip(way.windows(2)) {
             part.push((pair[1] - pair[0]) as f64 * 1e-3);
         }

@@ -111,10 +111,11 @@ impl<'c> Story<'c> {
                 Call::Ran(ran) => {
                     self.compare(stamped.at, &ran)?;
                     // Only in reactive control does a change that is seen ask for anything.
-                    let asked = ran.asked != 0 && phase == Phase::Reactive;
+                    let asked = !ran.asked.is_empty() && phase == Phase::Reactive;
                     let run = Run {
                         reason: ran.reason,
                         asked,
+                        expected: ran.expected,
                         command: ran.shares,
                     };
                     self.take_run(run, at_us, by_timer, &mut open);

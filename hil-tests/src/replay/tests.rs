@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use reflex::settings::{MotorProtocol, Policy, Reference, Settings, WarmUp};
+use reflex::sensors::{Input, Inputs};
+use reflex::settings::{Feedback, MotorProtocol, Pairs, Policy, Reference, Settings, WarmUp};
 use reflex::time::micros;
 
 use super::replay;
@@ -173,6 +174,9 @@ fn no_option_needs_another_firmware() {
             motors: MotorProtocol::Pwm,
             p_run: 0.4,
             quantum: 0.002,
+            triggers: Inputs::ALL.without(Input::Command),
+            pairs: Pairs::WeightedLags,
+            feedback: Feedback::Published,
             seed: 9,
             policy: Policy::Reactive,
         },

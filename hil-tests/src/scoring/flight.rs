@@ -17,6 +17,8 @@ pub struct Run {
     pub reason: Reason,
     /// Whether a trigger had asked for it, whatever the reason.
     pub asked: bool,
+    /// The probability of a changed command by the models that asked; `None` without one.
+    pub expected: Option<f32>,
     /// What it wrote to the motors.
     pub command: Command,
 }

@@ -13,6 +13,8 @@
 //!   inside: every model said no.
 //! - *Failsafe-changed*: a failsafe run that moved some motor by a quantum or more while no
 //!   trigger had asked.
+//! - *Prediction*: of a triggered run, the probability of a changed command that the models gave
+//!   it, beside whether its own command then differed from the one held before.
 //! - *Stale from the trigger*: the policy's runs, with the reference's command in place of its
 //!   own: at a run, hold the reference's command of that hyperperiod, or for an early run that
 //!   of the one before, since the newer sample was not there yet.
@@ -38,6 +40,8 @@ pub(super) enum Class {
 pub(super) struct Judged {
     pub class: Class,
     pub failsafe_changed: u64,
+    /// Of a run that a model asked for: what it expected, and whether the command changed.
+    pub prediction: Option<(f32, bool)>,
     pub stale: bool,
     pub stale_from_trigger: bool,
     pub square: f64,
@@ -78,6 +82,10 @@ impl Judge<'_> {
         }
         let class = self.classify(step);
         self.missed |= class == Class::FalseNegative;
+        let prediction = step.run.as_ref().and_then(|run| {
+            let expected = run.expected.filter(|_| run.reason == Reason::Trigger)?;
+            Some((expected, differs(&run.command, &step.held, quantum)))
+        });
         if let Some(run) = &step.run {
             failsafe_changed += failsafe_changed_by(run, &step.held, quantum);
             self.missed = false;
@@ -87,6 +95,7 @@ impl Judge<'_> {
         Judged {
             class,
             failsafe_changed,
+            prediction,
             stale: differs(&step.applied, &step.reference, quantum),
             stale_from_trigger: differs(&self.from_trigger, &step.reference, quantum),
             square: square(&step.applied, &step.reference),

@@ -38,7 +38,7 @@ pub use report::{
     SetpointSource,
 };
 pub use rules::{MOST_SATURATED, Rules};
-pub use section::{Actuators, Control, Decisions, Section, WINDOW_US, Window};
+pub use section::{Actuators, Calibration, Control, Decisions, Section, WINDOW_US, Window};
 pub use summary::summary;
 
 use oracle::Track;
@@ -68,7 +68,7 @@ pub struct Score {
     pub warm_up: WarmUp,
     /// False for a flight without hyperperiods after warm-up or with too many saturated ones.
     pub scored: bool,
-    /// Control, decisions and actuators after warm-up.
+    /// Control, decisions, calibration and actuators after warm-up.
     #[serde(flatten)]
     pub section: Section,
     /// The oracle with the configured quantum.

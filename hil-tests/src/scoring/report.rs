@@ -57,6 +57,12 @@ pub struct Options {
     pub rate_hz: Option<f64>,
     /// `previous-sample` or `last-run`.
     pub reference: String,
+    /// Inputs that may ask for a run.
+    pub triggers: Vec<String>,
+    /// `first-crossings`, `weighted-lags` or `published`.
+    pub pairs: String,
+    /// `every` or `published`.
+    pub feedback: String,
     /// Probability of a change above which control runs.
     pub p_run: f64,
     /// Fixed length of the warm-up in seconds; null where the models decide.
@@ -163,7 +169,7 @@ pub struct Sensor {
     pub state: ModelState,
     /// The change above which it asks for a run, in `unit`; null without a model.
     pub threshold: Option<f64>,
-    /// Unit of the threshold: `rad/s`, `m/s2` or `gauss`.
+    /// Unit of the threshold: `rad/s`, `m/s2`, `gauss`, `rad` or `quanta`.
     pub unit: String,
     /// Threshold code in the chip's registers at the end; null where the chip does not compare.
     pub chip_threshold: Option<u32>,

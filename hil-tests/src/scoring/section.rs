@@ -1,4 +1,4 @@
-//! Control, decisions, actuators: of a whole flight and of its windows.
+//! Control, decisions, calibration, actuators: of a whole flight and of its windows.
 
 use super::deviation::{Deviation, rate, share};
 use super::flight::{Flight, Step, seconds};
@@ -54,13 +54,26 @@ pub struct Actuators {
     pub saturated_fraction: Option<f64>,
 }
 
-/// The three of them over one stretch of a flight.
+/// What the models expected of the runs that they asked for, and what came of those.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Calibration {
+    /// Runs that a model asked for.
+    pub triggers: u64,
+    /// Mean probability of a changed command by the models; null without such a run.
+    pub expected_share: Option<f64>,
+    /// Share of them that changed the command by a quantum or more.
+    pub changed_share: Option<f64>,
+}
+
+/// All of them over one stretch of a flight.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Section {
     /// How often control ran, and why.
     pub control: Control,
     /// How the decisions turned out.
     pub decisions: Decisions,
+    /// Whether the models were right.
+    pub calibration: Calibration,
     /// What the motors held.
     pub actuators: Actuators,
 }
@@ -88,6 +101,7 @@ impl Section {
         Self {
             control: Control::of(steps, length_s),
             decisions: Decisions::of(judged),
+            calibration: Calibration::of(judged),
             actuators: Actuators::of(judged, rules),
         }
     }
@@ -123,6 +137,23 @@ impl Decisions {
             sum.failsafe_changed += one.failsafe_changed;
         }
         sum
+    }
+}
+
+impl Calibration {
+    fn of(judged: &[Judged]) -> Self {
+        let predictions = judged.iter().filter_map(|one| one.prediction);
+        let (mut triggers, mut changed, mut expected) = (0, 0, 0.0);
+        for (probability, differed) in predictions {
+            triggers += 1;
+            changed += u64::from(differed);
+            expected += f64::from(probability);
+        }
+        Self {
+            triggers,
+            expected_share: (triggers > 0).then(|| expected / triggers as f64),
+            changed_share: share(changed, triggers),
+        }
     }
 }
 

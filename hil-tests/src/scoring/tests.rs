@@ -32,6 +32,7 @@ fn run(reason: Reason, share: f32) -> Option<Run> {
     Some(Run {
         reason,
         asked: reason == Reason::Trigger,
+        expected: None,
         command: all(share),
     })
 }

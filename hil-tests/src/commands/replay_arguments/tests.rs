@@ -2,6 +2,7 @@
 
 use clap::Parser;
 use proptest::prelude::*;
+use reflex::sensors::Input;
 use reflex::time::micros;
 
 use super::*;
@@ -79,7 +80,7 @@ fn every_option_arrives() {
     let options = parse(
         "a.csv --reference previous-sample --p-run 0.7 --warm-up 2 --failsafe 0.2 \
          --quantum 1/128 --motors pwm --duration 20 --rotate roll180 --noise none --seed 9 \
-         --defmt out.log",
+         --triggers gyro,turned --pairs published --feedback published --defmt out.log",
     )
     .unwrap();
     let settings = Settings {
@@ -90,6 +91,9 @@ fn every_option_arrives() {
         failsafe: micros(200_000),
         quantum: 1.0 / 128.0,
         motors: MotorProtocol::Pwm,
+        triggers: Inputs::NONE.with(Input::Gyro).with(Input::Turned),
+        pairs: Pairs::Published,
+        feedback: Feedback::Published,
         seed: 9,
     };
     let expected = ReplayOptions {

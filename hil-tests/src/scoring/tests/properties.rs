@@ -42,6 +42,7 @@ fn build(warm_up: usize, hyperperiods: &[Ingredients]) -> Flight {
         let to_run = |(reason, asked, error): (usize, bool, f32), command: Command| Run {
             reason: REASONS[reason],
             asked,
+            expected: None,
             command: command.map(|share| share + error),
         };
         if let Some(early) = early {
@@ -122,7 +123,12 @@ proptest! {
     fn a_policy_that_applies_the_reference_everywhere_strays_nowhere(flight in flights()) {
         let mut perfect = Flight::new(0, all(0.5));
         for (index, step) in flight.steps().iter().enumerate() {
-            let run = Run { reason: Reason::Trigger, asked: true, command: step.reference };
+            let run = Run {
+                reason: Reason::Trigger,
+                asked: true,
+                expected: None,
+                command: step.reference,
+            };
             perfect.end_hyperperiod(step.at_us, step.reference, Some(run));
             if index == 0 {
                 perfect.end_warm_up(step.at_us);

@@ -69,6 +69,9 @@ pub(super) fn about(flight: &Flight) -> About {
         options: Options {
             rate_hz: None,
             reference: "last-run".to_owned(),
+            triggers: vec!["gyro".to_owned()],
+            pairs: "first-crossings".to_owned(),
+            feedback: "every".to_owned(),
             p_run: 0.6,
             warm_up_s: None,
             failsafe_s: 0.1,
