@@ -98,15 +98,32 @@ impl<I2C: I2c> Mpu6050<I2C> {
         self.expect(MOT_THR, threshold.code())
     }
 
-    /// Makes the next sample the motion detector's reference.
+    /// Lets go of the motion detector's reference: nothing is detected until
+    /// [`Self::take_motion_reference`].
     ///
-    /// Meant for [`MotionHighPass::Hold`]. The reset settles within one sample, so a bus that puts
-    /// both writes into one sample period may see the old reference kept; check on the chip.
+    /// The filter's mode acts on the next value of the 1 kHz accelerometer, so one must pass between
+    /// the two calls: with both writes in one period the chip never sees the reset, and the old
+    /// reference stays. The next data-ready interrupt is the time for the second call.
     ///
     /// # Errors
     /// The bus's; `ReadBack`.
-    pub fn rearm_motion(&mut self, config: &ImuConfig) -> Result<(), Error<I2C::Error>> {
-        self.write(ACCEL_CONFIG, config.accel_range.bits())?;
+    pub fn release_motion_reference(
+        &mut self,
+        config: &ImuConfig,
+    ) -> Result<(), Error<I2C::Error>> {
+        let reset = config.accel_range.bits();
+        self.write(ACCEL_CONFIG, reset)?;
+        self.expect(ACCEL_CONFIG, reset)
+    }
+
+    /// Gives the motion detector a new reference, after [`Self::release_motion_reference`].
+    ///
+    /// [`MotionHighPass::Hold`] takes the first value after this call, the corners have the last one
+    /// before it.
+    ///
+    /// # Errors
+    /// The bus's; `ReadBack`.
+    pub fn take_motion_reference(&mut self, config: &ImuConfig) -> Result<(), Error<I2C::Error>> {
         self.write(ACCEL_CONFIG, config.accel_config())?;
         self.expect(ACCEL_CONFIG, config.accel_config())
     }

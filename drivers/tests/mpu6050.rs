@@ -236,17 +236,17 @@ fn motion_threshold_is_written_and_read_back() {
 }
 
 #[test]
-fn rearming_toggles_the_high_pass_and_keeps_the_range() {
+fn rearming_resets_the_high_pass_and_sets_it_again_in_two_calls_and_keeps_the_range() {
     let config = ImuConfig {
         motion: Some(MOTION),
         ..ImuConfig::FLIGHT
     };
-    on_bus(
-        &[write(0x1C, 0x18), write(0x1C, 0x1F), read(0x1C, 0x1F)],
-        |mut chip| {
-            chip.rearm_motion(&config).unwrap();
-        },
-    );
+    on_bus(&[write(0x1C, 0x18), read(0x1C, 0x18)], |mut chip| {
+        chip.release_motion_reference(&config).unwrap();
+    });
+    on_bus(&[write(0x1C, 0x1F), read(0x1C, 0x1F)], |mut chip| {
+        chip.take_motion_reference(&config).unwrap();
+    });
 }
 
 #[test]

@@ -4,7 +4,8 @@
 //! emulated buses, and must find in them what it would find in the chips: data
 //! at the programmed rate with a free-running oscillator, quantisation and
 //! clipping, filters, threshold generators, latches and status bits. They know
-//! neither the emulator nor the drivers.
+//! neither the emulator nor the drivers; only the tests in `equivalence` let the
+//! drivers at them.
 //!
 //! **Time.** Virtual time comes in as nanoseconds and only moves forward.
 //! A model is advanced lazily: every entry takes `now_ns` and first produces
@@ -17,6 +18,8 @@
 //! own axes ([`Stimulus`]). *Code*: what a register holds.
 
 pub mod bus;
+#[cfg(test)]
+mod equivalence;
 pub mod filter;
 pub mod lsm303agr;
 pub mod mpu6050;

@@ -1,0 +1,252 @@
+//! Thresholds in SI units become codes rounded down, never 0.
+//!
+//! Checked against the weights of the datasheet, in two places: the drivers'
+//! codes, and the orders that the firmware gives when a model is swapped in.
+
+use reflex::app::{Autopilot, ChipOrder, Next};
+use reflex::config::SETTINGS;
+use reflex::control::Setpoint;
+use reflex::link::Message;
+use reflex::reactive::{Fit, Logistic, Phase, Refit};
+use reflex::sensors::Input;
+use reflex::settings::{Settings, WarmUp};
+use reflex::time::{at_micros, micros};
+use reflex::units::Thrust;
+use reflex_drivers::lsm303agr::{AccelFullScale, AccelThreshold, MagThreshold};
+use reflex_drivers::mpu6050::{MotionThreshold, NOMINAL_MOTION_STEP};
+use reflex_drivers::quantity::{Gauss, MetersPerSecondSquared};
+use reflex_drivers::threshold::ThresholdError;
+
+use crate::chips::stimulus::STANDARD_GRAVITY;
+
+/// mg per count of INT1_THS_A.
+const ACCEL_MG: [(AccelFullScale, f64); 4] = [
+    (AccelFullScale::G2, 16.0),
+    (AccelFullScale::G4, 32.0),
+    (AccelFullScale::G8, 62.0),
+    (AccelFullScale::G16, 186.0),
+];
+/// Gauss per count of INT_THS_M.
+const MAG_GAUSS: f64 = 1.5e-3;
+/// Room for `f32`: three of its roundings.
+const ROUNDING: f64 = 3.0 / 16_777_216.0;
+
+/// Values within a code, from its own level to just below the next one's.
+fn within(code: u16, step: f64) -> [f32; 4] {
+    let level = f64::from(code) * step;
+    [1e-6, 0.25, 0.75, 1.0 - 1e-6].map(|share| {
+        // A share of the step, but not less than what `f32` can tell apart.
+        let inside = (share * step).clamp(level * ROUNDING, step - (level + step) * ROUNDING);
+        (level + inside) as f32
+    })
+}
+
+/// `round_down` must answer with the code for everything within it.
+fn rounds_down<T: std::fmt::Debug + PartialEq>(
+    (largest, step): (u16, f64),
+    code_of: impl Fn(u16) -> T,
+    round_down: impl Fn(f32) -> Result<T, ThresholdError>,
+) {
+    for value in within(0, step) {
+        assert_eq!(round_down(value), Err(ThresholdError::BelowOneStep));
+    }
+    for code in 1..=largest {
+        for value in within(code, step) {
+            assert_eq!(round_down(value), Ok(code_of(code)), "{value} {code}");
+        }
+    }
+    let beyond = (f64::from(largest) * 3.0 * step) as f32;
+    assert_eq!(round_down(beyond), Ok(code_of(largest)));
+}
+
+#[test]
+fn every_value_becomes_the_code_below_it_by_the_datasheet_s_weights() {
+    for (scale, milli_g) in ACCEL_MG {
+        rounds_down(
+            (127, milli_g * 1e-3 * STANDARD_GRAVITY),
+            |code| AccelThreshold::from_code(code as u8).expect("1 to 127"),
+            |value| AccelThreshold::round_down(MetersPerSecondSquared(value), scale),
+        );
+    }
+    rounds_down(
+        (u16::MAX, MAG_GAUSS),
+        |code| MagThreshold::from_code(code).expect("not 0"),
+        |value| MagThreshold::round_down(Gauss(value)),
+    );
+    rounds_down(
+        (255, 32e-3 * STANDARD_GRAVITY),
+        |code| MotionThreshold::from_code(code as u8).expect("1 to 255"),
+        |value| MotionThreshold::round_down(MetersPerSecondSquared(value), NOMINAL_MOTION_STEP),
+    );
+}
+
+/// The firmware's autopilot in flight, under reactive control.
+struct Flight {
+    autopilot: Autopilot<()>,
+    now: u64,
+}
+
+impl Flight {
+    fn reactive() -> Self {
+        let settings = Settings {
+            warm_up: WarmUp::Fixed(micros(4_000_000)),
+            ..SETTINGS
+        };
+        let mut flight = Self {
+            autopilot: Autopilot::new(settings, ()),
+            now: 0,
+        };
+        flight.milliseconds(600, |_| 0);
+        let hover = Thrust::new(0.5).expect("in range");
+        for message in [
+            Message::Setpoint(Setpoint::level(hover)),
+            Message::Arm(true),
+        ] {
+            let _ = flight.autopilot.on_message(at_micros(flight.now), &message);
+        }
+        flight.milliseconds(8000, gusty);
+        assert_eq!(flight.autopilot.telemetry().phase, Phase::Reactive);
+        flight
+    }
+
+    fn milliseconds(&mut self, count: u64, rate: impl Fn(u64) -> i16) {
+        for _ in 0..count {
+            self.now += 1000;
+            let now = at_micros(self.now);
+            if self.autopilot.deadline() <= now {
+                let _ = self.autopilot.on_timer(now);
+            }
+            if self.autopilot.on_imu(now, &burst(rate(self.now))) == Next::Hyperperiod {
+                let _ = self.autopilot.on_hyperperiod(now);
+            }
+            while let Some(job) = self.autopilot.refit_due(now) {
+                self.autopilot.on_refit(now, job.fit());
+            }
+        }
+    }
+
+    /// Swaps a model in; the threshold it has, and the order that programs it.
+    fn program(&mut self, input: Input, threshold: f32) -> (f64, Option<ChipOrder>) {
+        let now = at_micros(self.now);
+        let b1 = SETTINGS.p_run.ln() - (1.0 - SETTINGS.p_run).ln() - threshold;
+        let fit = Fit::Model(Logistic { b1, b2: 1.0 });
+        self.autopilot.on_refit(now, Refit { input, fit });
+        let mut programs = None;
+        while let Some(order) = self.autopilot.next_order() {
+            self.autopilot.on_order_done(now, order, Ok(()));
+            if input == input_of(order) && !is_upkeep(order) {
+                programs = Some(order);
+            }
+        }
+        (f64::from(self.autopilot.threshold(input)), programs)
+    }
+}
+
+/// A gust every quarter second over a little noise, in counts.
+fn gusty(now: u64) -> i16 {
+    let noise = ((now / 1000).wrapping_mul(2_654_435_761) >> 7) % 9;
+    let gust = if now / 1000 % 250 < 60 { 400 } else { 0 };
+    noise as i16 - 4 + gust
+}
+
+/// A burst of a drone at rest that turns about roll.
+fn burst(rate: i16) -> [u8; 15] {
+    let [high, low] = rate.to_be_bytes();
+    let [down, down_low] = (-2048_i16).to_be_bytes();
+    [1, 0, 0, 0, 0, down, down_low, 0, 0, high, low, 0, 0, 0, 0]
+}
+
+fn input_of(order: ChipOrder) -> Input {
+    match order {
+        ChipOrder::AccelDataReady
+        | ChipOrder::AccelThreshold(_)
+        | ChipOrder::AccelRearm
+        | ChipOrder::AccelHeartbeat => Input::ChipAccel,
+        ChipOrder::MagDataReady
+        | ChipOrder::MagThreshold(_)
+        | ChipOrder::MagRearm
+        | ChipOrder::MagHeartbeat => Input::ChipMag,
+    }
+}
+
+fn is_upkeep(order: ChipOrder) -> bool {
+    matches!(
+        order,
+        ChipOrder::AccelRearm
+            | ChipOrder::AccelHeartbeat
+            | ChipOrder::MagRearm
+            | ChipOrder::MagHeartbeat
+    )
+}
+
+/// A code's threshold must not exceed the model's, and the next code's must.
+fn assert_rounded_down(code: u16, step: f64, threshold: f64) {
+    let level = f64::from(code) * step;
+    assert!(
+        code >= 1 && level <= threshold * (1.0 + ROUNDING),
+        "{code} {threshold}"
+    );
+    let next = level + step;
+    assert!(next > threshold * (1.0 - ROUNDING), "{code} {threshold}");
+}
+
+#[test]
+fn the_firmware_orders_every_accelerometer_code_rounded_down_and_never_0() {
+    let step = 0.016 * STANDARD_GRAVITY;
+    let mut flight = Flight::reactive();
+    for wanted in 1..=127 {
+        for value in within(wanted, step) {
+            // Without a change of code nothing is ordered: below one code first.
+            let (_, order) = flight.program(Input::ChipAccel, (0.5 * step) as f32);
+            assert!(
+                matches!(order, None | Some(ChipOrder::AccelDataReady)),
+                "{order:?}"
+            );
+            let (threshold, order) = flight.program(Input::ChipAccel, value);
+            let Some(ChipOrder::AccelThreshold(code)) = order else {
+                // Adding the model's odds may have taken the last bit from code 1.
+                assert!(threshold < step * (1.0 + ROUNDING), "{threshold} {order:?}");
+                continue;
+            };
+            assert_rounded_down(u16::from(code), step, threshold);
+        }
+    }
+    flight.program(Input::ChipAccel, 0.0);
+    let (_, order) = flight.program(Input::ChipAccel, 400.0);
+    assert_eq!(
+        order,
+        Some(ChipOrder::AccelThreshold(127)),
+        "the largest code"
+    );
+}
+
+#[test]
+fn the_firmware_orders_magnetometer_codes_rounded_down_and_never_0() {
+    let mut flight = Flight::reactive();
+    let codes = super::magnetometer::codes();
+    for wanted in codes.into_iter().filter(|code| *code < 32_767) {
+        for value in within(wanted, MAG_GAUSS) {
+            let (_, order) = flight.program(Input::ChipMag, 0.5e-3);
+            assert!(
+                matches!(order, None | Some(ChipOrder::MagDataReady)),
+                "{order:?}"
+            );
+            let (threshold, order) = flight.program(Input::ChipMag, value);
+            let Some(ChipOrder::MagThreshold(code)) = order else {
+                assert!(
+                    threshold < MAG_GAUSS * (1.0 + ROUNDING),
+                    "{threshold} {order:?}"
+                );
+                continue;
+            };
+            assert_rounded_down(code, MAG_GAUSS, threshold);
+        }
+    }
+    flight.program(Input::ChipMag, 0.0);
+    let (_, order) = flight.program(Input::ChipMag, 200.0);
+    assert_eq!(
+        order,
+        Some(ChipOrder::MagThreshold(32_767)),
+        "the largest code"
+    );
+}
