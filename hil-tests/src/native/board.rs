@@ -11,6 +11,7 @@
 use std::sync::Arc;
 use std::vec;
 
+use embedded_hal::i2c::I2c;
 use reflex::app::{Autopilot, Call, Recorder, Stamped};
 use reflex::config::{CHIP_ACCEL_RATE, CHIP_MAG_RATE, IMU_RATE};
 use reflex::link::Parser;
@@ -23,7 +24,7 @@ use reflex_drivers::mpu6050::{self, ImuConfig};
 
 use super::agenda::{Agenda, Event};
 use super::tasks::Work;
-use super::timing::{BOOT_NS, CHIPS_START_NS, IMU_START_NS};
+use super::timing::{BOOT_NS, CHIPS_START_NS, IMU_START_NS, IMU_WAKE_NS};
 use super::wires::{BusTime, I2cBus, Spi, Wire};
 use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
 use crate::chips::{ChipOptions, Mpu6050, StimulusSource};
@@ -40,6 +41,9 @@ pub(super) const IMU_CONFIG: ImuConfig = ImuConfig {
     rate_divider: (1000 / IMU_RATE - 1) as u8,
     ..ImuConfig::FLIGHT
 };
+
+/// What the crate `mpu6050` writes first: awake, on the gyro's clock.
+const IMU_WAKE: [u8; 2] = [mpu6050::register::PWR_MGMT_1, 0x01];
 
 /// Every call with its stamp.
 #[derive(Debug, Default)]
@@ -72,6 +76,8 @@ pub(super) struct NativeBoard {
     /// When the last burst came to its end, or the bus came back.
     pub(super) last_burst_ns: u64,
     pub(super) imu_check_due: bool,
+    /// Register checks so far.
+    pub(super) imu_check: usize,
 
     pub(super) accel: Wire<Accelerometer>,
     pub(super) mag: Wire<Magnetometer>,
@@ -130,6 +136,7 @@ impl NativeBoard {
             burst: None,
             last_burst_ns: BOOT_NS,
             imu_check_due: false,
+            imu_check: 0,
             accel,
             mag,
             spi_time,
@@ -153,6 +160,8 @@ impl NativeBoard {
         self.spi_time.set_ns(CHIPS_START_NS);
         let _ = self.halves.set_up_accel();
         let _ = self.halves.set_up_mag();
+        self.imu_bus.time.set_ns(IMU_WAKE_NS);
+        let _ = self.imu_bus.write(mpu6050::ADDRESS, &IMU_WAKE);
         self.imu_bus.time.set_ns(IMU_START_NS);
         let _ = mpu6050::Mpu6050::new(&mut self.imu_bus, mpu6050::ADDRESS).configure(&IMU_CONFIG);
         self.agenda.set(Event::Timer, BOOT_NS);

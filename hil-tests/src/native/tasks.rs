@@ -10,7 +10,7 @@ use reflex::link::Incoming;
 use reflex::sensors::IMU_BURST_LENGTH;
 use reflex::time::{Instant, span};
 use reflex_drivers::lsm303agr::halves::{self, Half};
-use reflex_drivers::mpu6050::{ADDRESS, BURST_START, Mpu6050};
+use reflex_drivers::mpu6050::{ADDRESS, BURST_START, CHECKS, LONGEST_CHECK, Mpu6050};
 
 use super::agenda::Event;
 use super::board::{Burst, IMU_CONFIG, NativeBoard};
@@ -33,10 +33,9 @@ impl NativeBoard {
     /// `imu_ready`: stamps the sample and starts its burst.
     pub(super) fn on_imu_line(&mut self) {
         if let Some(at_ns) = self.imu.hear(self.now_ns)
-            && at_ns >= BOOT_NS
             && !self.agenda.is_noted(Event::Repaired)
         {
-            self.start_burst(at_ns);
+            self.start_burst(at_ns.max(BOOT_NS));
         }
         self.watch_imu();
     }
@@ -77,19 +76,20 @@ impl NativeBoard {
     }
 
     /// The register check behind a burst, asked for by the failsafe's task.
-    ///
-    /// The firmware reads a quarter of the registers each time; here all of them at once.
     fn check_imu(&mut self) {
         if !std::mem::take(&mut self.imu_check_due) {
             return;
         }
+        let check = CHECKS[self.imu_check % CHECKS.len()];
+        self.imu_check += 1;
         self.imu_bus.time.set_ns(self.now_ns);
-        let mut chip = Mpu6050::new(&mut self.imu_bus, ADDRESS);
-        let held = chip
-            .check_identity()
-            .and_then(|()| chip.verify(&IMU_CONFIG));
-        if held.is_err() {
-            let at = clock(self.now_ns);
+        let mut held = [0; LONGEST_CHECK];
+        let into = &mut held[..usize::from(check.length)];
+        let read = self.imu_bus.write_read(ADDRESS, &[check.register], into);
+        let at = clock(self.now_ns);
+        if read.is_err() {
+            self.pilot.on_fault(at, Fault::ImuBus);
+        } else if check.difference(&IMU_CONFIG, held).is_some() {
             self.pilot.on_fault(at, Fault::ImuConfiguration);
             self.repair_imu();
         }
@@ -251,9 +251,9 @@ impl NativeBoard {
         };
         let start_ns = frame.at_ns.max(self.line_free_ns);
         self.line_free_ns = start_ns + frame.bytes.len() as u64 * CHARACTER_NS;
-        // The line counts as idle after one character more.
+        // The receiver takes the line for idle after one character more, and tells after another.
         self.agenda
-            .set(Event::Frame, self.line_free_ns + CHARACTER_NS);
+            .set(Event::Frame, self.line_free_ns + 2 * CHARACTER_NS);
         self.frame = Some(frame);
     }
 

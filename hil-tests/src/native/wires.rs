@@ -227,13 +227,19 @@ impl I2cBus {
             i2c::Operation::Read(bytes) => {
                 let count = bytes.len();
                 for (place, byte) in bytes.iter_mut().enumerate() {
-                    *byte = (wired.chip).read(self.time.pass(I2C_BYTE_NS), place + 1 == count);
+                    let now_ns = self.time.pass(I2C_BYTE_NS);
+                    *byte = wired.chip.read(now_ns, place + 1 == count);
+                    // A pulse of the pin is two bytes long: it must not be missed.
+                    wired.look(now_ns);
                 }
                 true
             }
-            i2c::Operation::Write(bytes) => bytes
-                .iter()
-                .all(|byte| wired.chip.write(self.time.pass(I2C_BYTE_NS), *byte)),
+            i2c::Operation::Write(bytes) => bytes.iter().all(|byte| {
+                let now_ns = self.time.pass(I2C_BYTE_NS);
+                let taken = wired.chip.write(now_ns, *byte);
+                wired.look(now_ns);
+                taken
+            }),
         }
     }
 }
