@@ -112,7 +112,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     let mut bus = i2c::Bus::new(device.I2C1, scl, sda, rcc);
     imu::start(&mut bus);
     let buffer = singleton!(: [u8; IMU_BURST_LENGTH] = [0; IMU_BURST_LENGTH]).unwrap();
-    let mut imu_bus = Engine::new(streams.0, buffer, &imu::CHECKS);
+    let mut imu_bus = Engine::new(streams.0, buffer, &reflex_drivers::mpu6050::CHECKS);
     imu_bus.give_back(bus, None);
     watchdog.feed();
     let link = Link::new(port);

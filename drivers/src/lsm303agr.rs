@@ -8,6 +8,9 @@
 //! 2. the crate's `new_with_spi(three_wire, magnetometer)` and its set-up calls, then `destroy()`,
 //! 3. [`Accelerometer::new`] and [`Magnetometer::new`] on what `destroy()` returned.
 //!
+//! [`halves`] does all of that for an owner of both halves: set-up, routing of the pins, fetches,
+//! re-arming, heartbeats, and set-up anew of what was lost.
+//!
 //! Register names and bits follow ST's `lsm303agr-pid` (`lsm303agr_reg.h`), LSBs its comments and
 //! the datasheet DocID027765.
 //!
@@ -16,6 +19,7 @@
 
 mod accelerometer;
 mod codes;
+pub mod halves;
 mod magnetometer;
 mod port;
 pub mod register;

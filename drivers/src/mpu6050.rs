@@ -12,6 +12,7 @@
 //! follow revision 3.2.
 
 mod burst;
+mod check;
 mod motion;
 pub mod register;
 mod setup;
@@ -19,6 +20,7 @@ mod setup;
 use embedded_hal::i2c::I2c;
 
 pub use burst::{BURST_LENGTH, BURST_START, ImuBurst, InterruptStatus};
+pub use check::{CHECKS, Check, Difference, LONGEST_CHECK};
 pub use motion::{
     MotionDecrement, MotionDetector, MotionHighPass, MotionStatus, MotionThreshold,
     NOMINAL_MOTION_STEP,

@@ -4,6 +4,7 @@
 //! - [`chips`]: the sensors, written from their datasheets
 //! - [`flights`]: recorded flights, as stimulus, setpoints and link frames
 //! - [`replay`]: puts the three together; [`scoring`] judges what happened
+//! - [`native`]: the same flights without the emulator, a hundred times as fast
 //! - [`firmware`]: builds and measures the ELF, with the [`toolchain`] it needs
 //! - [`commands`]: the command line of `cargo hil`
 
@@ -12,6 +13,7 @@ pub mod chips;
 pub mod commands;
 pub mod firmware;
 pub mod flights;
+pub mod native;
 pub mod progress;
 #[cfg(test)]
 mod recordings;

@@ -10,23 +10,26 @@
 //! calls are made again on a native autopilot: a firmware whose registers do not hold the
 //! command it computed, or that computes other bits than the host, fails the replay.
 
-mod about;
+pub(crate) mod about;
 mod alignment;
 mod bench;
+mod board_about;
 mod latency;
 mod observation;
-mod sense;
-mod story;
+pub(crate) mod sense;
+pub(crate) mod story;
 #[cfg(test)]
 mod tests;
 
 use anyhow::{Context, Result, bail};
 use std::fs::File;
 use std::io::BufWriter;
+use std::path::PathBuf;
 
 use reflex::airframe::period_ticks;
 use reflex::settings::MotorProtocol;
 
+use crate::chips::{ChipOptions, Present};
 use crate::firmware::Firmware;
 use crate::flights::{Flight, sample_flight};
 use crate::progress::Progress;
@@ -45,12 +48,7 @@ use story::Story;
 /// A flight that cannot be read, firmware that cannot be built, a fault of the board, or a
 /// firmware that contradicts itself or the host.
 pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Report> {
-    let path = match &options.log {
-        Some(path) => path.clone(),
-        None => sample_flight()?,
-    };
-    let flight = Flight::read(&path, options.rotate)?;
-    sense::check(options, &flight, &path)?;
+    let (flight, path) = open_flight(options)?;
     let defmt = open_defmt(options)?;
     let firmware = Firmware::build(progress)?;
     let mut bench = TestBench::new(&flight, options, &firmware)?;
@@ -73,11 +71,7 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
     }
     let rules = story.rules();
     let score = score(&story.flight, &rules, |rate_hz| story.fly_periodic(rate_hz));
-    let log = options
-        .log
-        .as_ref()
-        .map_or_else(|| flight.name.clone(), |log| log.display().to_string());
-    let about = about::About {
+    let about = board_about::BoardAbout {
         options,
         flight: &flight,
         firmware: &firmware,
@@ -88,9 +82,39 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
         story: &story,
     };
     Ok(Report {
-        about: about.tell(log),
+        about: about.tell(),
         score,
     })
+}
+
+/// Reads the flight that the options name, once it is known to be worth a replay.
+pub(crate) fn open_flight(options: &ReplayOptions) -> Result<(Flight, PathBuf)> {
+    let path = match &options.log {
+        Some(path) => path.clone(),
+        None => sample_flight()?,
+    };
+    let flight = Flight::read(&path, options.rotate)?;
+    sense::check(options, &flight, &path)?;
+    Ok((flight, path))
+}
+
+/// The specimens of the chips that a flight is replayed with, the same in both tiers.
+pub(crate) fn chip_options(flight: &Flight, options: &ReplayOptions) -> ChipOptions {
+    ChipOptions {
+        seed: u64::from(options.settings.seed),
+        noise: options.noise,
+        present: Present {
+            magnetometer: flight.mag.is_some(),
+            ..Present::default()
+        },
+        ..ChipOptions::default()
+    }
+}
+
+/// How much of a flight is replayed, ns.
+pub(crate) fn length_ns(flight: &Flight, options: &ReplayOptions) -> u64 {
+    let longest_s = options.duration_s.unwrap_or(f64::INFINITY);
+    (longest_s.min(flight.duration_s()) * 1e9) as u64
 }
 
 /// The timers must beat as the protocol says.

@@ -6,10 +6,10 @@ use reflex::app::Fault;
 use reflex::config::IMU_RATE;
 use reflex::time::{Duration, Instant, micros, span};
 use reflex_drivers::legacy_hal::Lent;
-use reflex_drivers::mpu6050::{ADDRESS, IDENTITY, ImuConfig, Mpu6050, register};
+use reflex_drivers::mpu6050::{ADDRESS, Check, ImuConfig, LONGEST_CHECK, Mpu6050};
 
 use crate::board::clock::Delay;
-use crate::board::i2c::{Bus, Check, Engine, LONGEST_CHECK};
+use crate::board::i2c::{Bus, Engine};
 
 /// What the chip is to hold.
 const CONFIG: ImuConfig = ImuConfig {
@@ -20,26 +20,6 @@ const CONFIG: ImuConfig = ImuConfig {
 
 /// Without a burst for this long the chip counts as silent.
 const SILENCE: Duration = micros(20_000);
-
-/// The registers that decide about samples, some of them at a time.
-pub const CHECKS: [Check; 4] = [
-    Check {
-        register: register::WHO_AM_I,
-        length: 1,
-    },
-    Check {
-        register: register::SMPLRT_DIV,
-        length: 4,
-    },
-    Check {
-        register: register::INT_PIN_CFG,
-        length: 2,
-    },
-    Check {
-        register: register::PWR_MGMT_1,
-        length: 2,
-    },
-];
 
 /// Wakes the chip and configures it, for the first time; 100 ms of that is the crate's wait.
 ///
@@ -91,25 +71,14 @@ pub fn is_silent(bus: &mut Engine, now: Instant) -> bool {
 /// Compares what a check read with what the chip is to hold; names the first difference.
 #[must_use]
 pub fn matches(check: Check, held: [u8; LONGEST_CHECK]) -> bool {
-    let registers = (check.register..).zip(held).take(usize::from(check.length));
-    for (register, held) in registers {
-        let expected = expected(register);
-        if held != expected {
-            defmt::warn!(
-                "MPU6050: register {=u8:#x} holds {=u8:#x}, not {=u8:#x}: configured anew",
-                register,
-                held,
-                expected
-            );
-            return false;
-        }
-    }
-    true
-}
-
-fn expected(register: u8) -> u8 {
-    let mut registers = CONFIG.registers().into_iter();
-    registers
-        .find(|(address, _)| *address == register)
-        .map_or(IDENTITY, |(_, value)| value)
+    let Some(difference) = check.difference(&CONFIG, held) else {
+        return true;
+    };
+    defmt::warn!(
+        "MPU6050: register {=u8:#x} holds {=u8:#x}, not {=u8:#x}: configured anew",
+        difference.register,
+        difference.held,
+        difference.expected
+    );
+    false
 }

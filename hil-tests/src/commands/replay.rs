@@ -4,6 +4,7 @@ use anyhow::Result;
 
 use super::bar::Bar;
 use super::replay_arguments::ReplayArguments;
+use crate::native;
 use crate::replay::replay;
 use crate::scoring::summary;
 
@@ -11,7 +12,11 @@ use crate::scoring::summary;
 pub(super) fn run(arguments: &ReplayArguments) -> Result<()> {
     let options = arguments.options()?;
     let mut bar = Bar::new();
-    let result = replay(&options, &mut bar);
+    let result = if arguments.native {
+        native::replay(&options, &mut bar)
+    } else {
+        replay(&options, &mut bar)
+    };
     bar.finish();
     let report = result?;
     // Printed only once it is whole: a failed replay leaves no half of a JSON object.

@@ -66,6 +66,9 @@ pub(super) struct ReplayArguments {
     /// Seed of noise, oscillators and exploration, 0 to 4294967295
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     seed: Option<u32>,
+    /// Fly the same control logic on this computer, without firmware and emulator: 100 times as fast
+    #[arg(long)]
+    pub(super) native: bool,
     /// Write the firmware's decoded log to this file
     #[arg(long, value_name = "FILE")]
     defmt: Option<PathBuf>,
@@ -133,6 +136,12 @@ impl ReplayArguments {
         let settings = self.settings()?;
         self.check_duration(&settings)?;
         if let Some(file) = &self.defmt {
+            if self.native {
+                return Err(Refusal::new(format!(
+                    "--defmt {}: only the firmware writes a log, leave out --native",
+                    file.display()
+                )));
+            }
             check_defmt(file, log.as_deref())?;
         }
         Ok(ReplayOptions {

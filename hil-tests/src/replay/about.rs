@@ -1,42 +1,65 @@
-//! What the report says around the score: options, sensors, load, counters.
+//! What the report says around the score, as far as both tiers know it.
+//!
+//! Options, sensors and faults are told the same way whoever played the board. What only an
+//! emulated processor shows (`board_about`) is null here, and stays so in the native tier.
 
 use std::collections::BTreeMap;
 
-use reflex::app::{Call, ChipOrder, Fault, Reason};
+use reflex::app::{Call, ChipOrder, Fault, Ran, Reason};
 use reflex::reactive::{Fit, Phase};
 use reflex::sensors::{Cause, Input};
 use reflex::settings::{Feedback, MotorProtocol, Pairs, Policy, Reference, WarmUp};
 
-use super::alignment::{AlignedRun, Alignment};
-use super::bench::{SampleCount, TestBench, held};
-use super::latency;
-use super::observation::Observation;
 use super::story::Story;
-use crate::board::{Line, Outcome};
+use crate::board::Line;
 use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
-use crate::firmware::Firmware;
-use crate::flights::{self, Flight};
+use crate::flights::{self, Flight, Setpoints};
 use crate::replay_options::ReplayOptions;
-use crate::scoring::{
-    self, BoardTime, Cpu, Gap, ModelState, MotorDigest, Options, Sensor, SetpointSource, latencies,
-};
+use crate::scoring::{self, Gap, ModelState, Options, Sensor, SetpointSource, Tier, latencies};
 
-/// Everything that the report is told from.
-pub(super) struct About<'r, 'c> {
-    pub(super) options: &'r ReplayOptions,
-    pub(super) flight: &'r Flight,
-    pub(super) firmware: &'r Firmware,
-    pub(super) bench: &'r TestBench,
-    pub(super) observation: &'r Observation,
-    pub(super) outcome: &'r Outcome,
-    pub(super) alignment: &'r Alignment,
-    pub(super) story: &'r Story<'c>,
+/// How many samples the dies of the LSM303AGR had produced at an instant.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SampleCount {
+    pub(crate) at_ns: u64,
+    pub(crate) accel: u64,
+    pub(crate) mag: u64,
 }
 
-impl About<'_, '_> {
-    pub(super) fn tell(&self, log: String) -> scoring::About {
+/// What was seen of the chips, in ns of the board's time.
+pub(crate) struct Seen<'r> {
+    /// When what is scored begins.
+    pub(crate) from_ns: u64,
+    /// Rising edges of each line.
+    pub(crate) edges: [&'r [u64]; Line::ALL.len()],
+    pub(crate) samples: &'r [SampleCount],
+    /// The threshold codes in force at the end, accelerometer and magnetometer.
+    pub(crate) chip_thresholds: [Option<u32>; 2],
+}
+
+/// Everything that the report is told from.
+pub(crate) struct Known<'r, 'c> {
+    pub(crate) options: &'r ReplayOptions,
+    pub(crate) flight: &'r Flight,
+    pub(crate) setpoints: &'r Setpoints,
+    pub(crate) story: &'r Story<'c>,
+    /// Runs with their stamps, as far as the tier saw them through.
+    pub(crate) runs: &'r [(u64, Ran)],
+    pub(crate) seen: Seen<'r>,
+}
+
+/// The end of the warm-up on the firmware's clock (us); the replay's end where it lasts.
+pub(crate) fn scored_from_us(story: &Story<'_>) -> u64 {
+    let flight = &story.flight;
+    flight.warm_up_end_us().unwrap_or(flight.last_us())
+}
+
+impl Known<'_, '_> {
+    /// What both tiers know; what only a processor shows is null.
+    pub(crate) fn tell(&self, tier: Tier, digest: String) -> scoring::About {
+        let log = self.options.log.as_ref();
         scoring::About {
-            log,
+            log: log.map_or_else(|| self.flight.name.clone(), |log| log.display().to_string()),
+            tier,
             policy: match self.options.settings.policy {
                 Policy::Reactive => "reactive".into(),
                 Policy::Periodic(_) => "periodic".into(),
@@ -45,24 +68,14 @@ impl About<'_, '_> {
             options: self.options(),
             setpoint: self.setpoint(),
             gaps: self.gaps(),
-            firmware: scoring::Firmware {
-                flash_bytes: self.firmware.sizes.flash_bytes.into(),
-                ram_bytes: self.firmware.sizes.ram_bytes.into(),
-                stack_bytes: self.outcome.stack.used.into(),
-            },
+            firmware: None,
             sensors: Input::ALL.map(|input| self.sensor(input)).into(),
-            latency_us: latencies(&self.story.flight, &latency::samples(&self.alignment.runs)),
-            latency_parts_us: latency::parts(self.observation, self.scored_runs()),
-            cpu: self.cpu(),
-            board: BoardTime {
-                virtual_s: self.outcome.ended_ns as f64 * 1e-9,
-                start_up_s: self
-                    .story
-                    .first_hyperperiod_us
-                    .map_or(0.0, |at| self.alignment.board_ns(at) as f64 * 1e-9),
-            },
+            latency_us: latencies(&self.story.flight, &[]),
+            latency_parts_us: Vec::new(),
+            cpu: None,
+            board: None,
             counters: self.counters(),
-            digest: self.digest(),
+            digest,
         }
     }
 
@@ -115,7 +128,7 @@ impl About<'_, '_> {
     }
 
     fn setpoint(&self) -> SetpointSource {
-        match self.bench.setpoints.sources.attitude {
+        match self.setpoints.sources.attitude {
             flights::SetpointSource::Recorded => SetpointSource::Log,
             _ => SetpointSource::LowPassed,
         }
@@ -130,35 +143,21 @@ impl About<'_, '_> {
         .collect()
     }
 
-    /// The end of the warm-up on the firmware's clock (us); the replay's end where it lasts.
-    fn scored_from_us(&self) -> u64 {
-        let flight = &self.story.flight;
-        flight.warm_up_end_us().unwrap_or(flight.last_us())
-    }
-
-    fn scored_runs(&self) -> impl Iterator<Item = &AlignedRun> {
-        let from = self.scored_from_us();
-        self.alignment
-            .runs
-            .iter()
-            .filter(move |run| run.at_us > from)
-    }
-
     fn sensor(&self, input: Input) -> Sensor {
-        let from_ns = self.alignment.board_ns(self.scored_from_us());
+        let seen = &self.seen;
         let since =
-            |edges: &[u64]| (edges.len() - edges.partition_point(|at| *at <= from_ns)) as u64;
+            |edges: &[u64]| (edges.len() - edges.partition_point(|at| *at <= seen.from_ns)) as u64;
         let line = match input {
             Input::Gyro | Input::Accel | Input::Turned | Input::Command => Line::ImuReady,
             Input::ChipAccel => Line::AccelThreshold,
             Input::ChipMag => Line::MagEvent,
         };
-        let interrupts = since(&self.observation.edges[line.pin() as usize]);
+        let interrupts = since(seen.edges[line.pin() as usize]);
         let samples = match input {
             // Every sample of the MPU6050 pulses its line.
             Input::Gyro | Input::Accel | Input::Turned | Input::Command => interrupts,
-            Input::ChipAccel => samples_since(&self.bench.samples, from_ns, |count| count.accel),
-            Input::ChipMag => samples_since(&self.bench.samples, from_ns, |count| count.mag),
+            Input::ChipAccel => samples_since(seen.samples, seen.from_ns, |count| count.accel),
+            Input::ChipMag => samples_since(seen.samples, seen.from_ns, |count| count.mag),
         };
         let present = input != Input::ChipMag || self.flight.mag.is_some();
         let fit = self.story.mirror.fit(input);
@@ -176,11 +175,7 @@ impl About<'_, '_> {
             present,
             samples,
             interrupts,
-            triggers: self
-                .scored_runs()
-                .filter(|run| run.ran.reason == Reason::Trigger)
-                .filter(|run| run.ran.asked.contains(input))
-                .count() as u64,
+            triggers: self.triggers(input),
             state: self.state(fit, present),
             threshold: model.map(|_| short(self.story.mirror.threshold(input) / unit)),
             unit: match input {
@@ -193,8 +188,8 @@ impl About<'_, '_> {
             .into(),
             chip_threshold: match input {
                 Input::Gyro | Input::Accel | Input::Turned | Input::Command => None,
-                Input::ChipAccel => accel_threshold(&held(&self.bench.accel)),
-                Input::ChipMag => mag_threshold(&held(&self.bench.mag)),
+                Input::ChipAccel => seen.chip_thresholds[0],
+                Input::ChipMag => seen.chip_thresholds[1],
             },
             chip_thresholds_set: self.count_calls(|call| match call {
                 Call::OrderDone(ChipOrder::AccelThreshold(_), Ok(())) => input == Input::ChipAccel,
@@ -211,8 +206,18 @@ impl About<'_, '_> {
         }
     }
 
+    /// Runs that an input asked for, alone or with others, in what is scored.
+    fn triggers(&self, input: Input) -> u64 {
+        let from_us = scored_from_us(self.story);
+        let scored = self.runs.iter().filter(|(at_us, _)| *at_us > from_us);
+        scored
+            .filter(|(_, ran)| ran.reason == Reason::Trigger)
+            .filter(|(_, ran)| ran.asked.contains(input))
+            .count() as u64
+    }
+
     fn count_calls(&self, of: impl Fn(&Call) -> bool) -> u64 {
-        let calls = self.observation.calls.iter();
+        let calls = self.story.calls.iter();
         calls.filter(|stamped| of(&stamped.call)).count() as u64
     }
 
@@ -227,20 +232,6 @@ impl About<'_, '_> {
         }
     }
 
-    fn cpu(&self) -> Cpu {
-        let from_ns = self.alignment.board_ns(self.scored_from_us());
-        let rate = self.outcome.load.instructions_per_second as f64 * 1e-9;
-        let lengths: Vec<f64> = latency::run_lengths_ns(self.observation, self.scored_runs())
-            .map(|length_ns| length_ns as f64 * rate)
-            .collect();
-        let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
-        Cpu {
-            busy_fraction: (!self.story.flight.steps().is_empty())
-                .then(|| self.outcome.load.busy_fraction(from_ns)),
-            instructions_per_run: (!lengths.is_empty()).then_some(mean),
-        }
-    }
-
     fn counters(&self) -> BTreeMap<String, u64> {
         let mut counters: BTreeMap<String, u64> = Fault::ALL
             .iter()
@@ -251,31 +242,11 @@ impl About<'_, '_> {
                 )
             })
             .collect();
-        let link = &self.outcome.link;
         counters.extend([
             ("fallbacks".into(), self.story.fallbacks),
-            ("link_bytes_received".into(), link.received),
-            ("link_bytes_sent".into(), link.sent),
-            ("link_bytes_lost".into(), link.lost),
-            (
-                "unmodelled_registers".into(),
-                self.outcome.unmodelled.len() as u64,
-            ),
-            ("log_lines".into(), self.observation.log_lines),
-            ("log_errors".into(), self.observation.errors.len() as u64),
-            ("log_frames_damaged".into(), self.outcome.damaged_log_frames),
-            ("motor_writes".into(), self.observation.motors.len() as u64),
-            ("calls".into(), self.observation.calls.len() as u64),
+            ("calls".into(), self.story.calls.len() as u64),
         ]);
         counters
-    }
-
-    fn digest(&self) -> String {
-        let mut digest = MotorDigest::new();
-        for write in &self.observation.motors {
-            digest.write(write.at_ns, &write.pulse_ns);
-        }
-        digest.hex()
     }
 }
 
@@ -301,13 +272,13 @@ fn samples_since(counts: &[SampleCount], from_ns: u64, of: impl Fn(&SampleCount)
 }
 
 /// The threshold in force on INT_1_XL: INT1_THS_A where CTRL_REG3_A routes the generator.
-fn accel_threshold(chip: &Accelerometer) -> Option<u32> {
+pub(crate) fn accel_threshold(chip: &Accelerometer) -> Option<u32> {
     const I1_AOI1: u8 = 0x40;
     (chip.register(0x22) & I1_AOI1 != 0).then(|| u32::from(chip.register(0x32)))
 }
 
 /// The threshold in force on INT_MAG: INT_THS_REG_M where CFG_REG_C_M routes its interrupt.
-fn mag_threshold(chip: &Magnetometer) -> Option<u32> {
+pub(crate) fn mag_threshold(chip: &Magnetometer) -> Option<u32> {
     const INT_MAG_PIN: u8 = 0x40;
     (chip.register(0x62) & INT_MAG_PIN != 0).then(|| {
         u32::from(u16::from_le_bytes([

@@ -4,11 +4,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::Result;
 
+use super::about::SampleCount;
 use super::observation::Observation;
+use super::{chip_options, length_ns};
 use crate::board::emulated::{EmulatedBoard, Sensors};
 use crate::board::{Board, Elf, Options, Outcome};
 use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
-use crate::chips::{ChipOptions, Mpu6050, Present, StimulusSource};
+use crate::chips::{Mpu6050, StimulusSource};
 use crate::firmware::Firmware;
 use crate::flights::{Bench, Flight, FlightStimulus, LinkFrame, Setpoints, schedule};
 use crate::progress::Progress;
@@ -21,14 +23,6 @@ const STEP_NS: u64 = 20_000_000;
 ///
 /// The last one is pended by software; see the table at the head of the firmware's `main.rs`.
 pub(super) const HANDLERS: [&str; 3] = ["EXTI0", "DMA1_STREAM0", "CAN2_TX"];
-
-/// How many samples the dies of the LSM303AGR had produced at an instant.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SampleCount {
-    pub(super) at_ns: u64,
-    pub(super) accel: u64,
-    pub(super) mag: u64,
-}
 
 /// Everything that is on the table.
 pub(super) struct TestBench {
@@ -50,15 +44,7 @@ impl TestBench {
     ) -> Result<Self> {
         let at_rest = Bench::default();
         let source: Arc<dyn StimulusSource> = Arc::new(FlightStimulus::new(flight, at_rest));
-        let chip_options = ChipOptions {
-            seed: u64::from(options.settings.seed),
-            noise: options.noise,
-            present: Present {
-                magnetometer: flight.mag.is_some(),
-                ..Present::default()
-            },
-            ..ChipOptions::default()
-        };
+        let chip_options = chip_options(flight, options);
         let imu = Mpu6050::new(Arc::clone(&source), chip_options);
         let accel = Arc::new(Mutex::new(Accelerometer::new(
             Arc::clone(&source),
@@ -77,11 +63,7 @@ impl TestBench {
             ..Options::default()
         };
         let mut board = EmulatedBoard::boot(&elf, sensors, &board_options)?;
-        let length_s = options
-            .duration_s
-            .unwrap_or(f64::INFINITY)
-            .min(flight.duration_s());
-        let end_ns = at_rest.length_ns() + (length_s * 1e9) as u64;
+        let end_ns = at_rest.length_ns() + length_ns(flight, options);
         let setpoints = Setpoints::of(flight);
         for LinkFrame { at_ns, bytes } in schedule(flight, &setpoints, at_rest) {
             if at_ns < end_ns {

@@ -21,15 +21,21 @@ const SHORTEST_S: f64 = 0.1;
 const LARGEST_TILT: f64 = 60.0;
 
 /// Refuses a flight that cannot be replayed with these options.
-pub(super) fn check(options: &ReplayOptions, flight: &Flight, path: &Path) -> Result<()> {
+pub(crate) fn check(options: &ReplayOptions, flight: &Flight, path: &Path) -> Result<()> {
+    check_flight(options, flight, &path.display().to_string())?;
+    match &options.defmt {
+        Some(defmt) => check_defmt(defmt, path),
+        None => Ok(()),
+    }
+}
+
+/// As [`check`], where the flight is all there is; `name` is what the refusal calls it.
+pub(crate) fn check_flight(options: &ReplayOptions, flight: &Flight, name: &str) -> Result<()> {
     let reason = too_short(options, flight)
         .or_else(|| gap(flight))
         .or_else(|| tilted(flight));
-    if let Some(reason) = reason {
-        bail!(Refusal::new(format!("{}: {reason}", path.display())));
-    }
-    match &options.defmt {
-        Some(defmt) => check_defmt(defmt, path),
+    match reason {
+        Some(reason) => bail!(Refusal::new(format!("{name}: {reason}"))),
         None => Ok(()),
     }
 }

@@ -14,25 +14,25 @@ use reflex::time::Instant;
 use crate::scoring::{Command, Flight, Held, Rules, Run};
 
 /// What the calls amount to.
-pub(super) struct Story<'c> {
-    calls: &'c [Stamped],
+pub(crate) struct Story<'c> {
+    pub(crate) calls: &'c [Stamped],
     settings: Settings,
     start_us: u64,
-    pub(super) flight: Flight,
+    pub(crate) flight: Flight,
     /// Places among the calls of the samples that ended the flight's hyperperiods.
     ends: Vec<usize>,
-    pub(super) mirror: Autopilot<LastRan>,
+    pub(crate) mirror: Autopilot<LastRan>,
     /// Runs with motors that may turn.
-    pub(super) runs_in_the_air: u64,
+    pub(crate) runs_in_the_air: u64,
     /// Times that reactive control was left for a fallback.
-    pub(super) fallbacks: u64,
+    pub(crate) fallbacks: u64,
     /// The firmware's clock at the first end of a hyperperiod, in us.
-    pub(super) first_hyperperiod_us: Option<u64>,
+    pub(crate) first_hyperperiod_us: Option<u64>,
 }
 
 /// Keeps the newest outcome.
 #[derive(Default)]
-pub(super) struct LastRan(Option<(Instant, Ran)>);
+pub(crate) struct LastRan(Option<(Instant, Ran)>);
 
 impl Recorder for LastRan {
     fn record(&mut self, at: Instant, call: &Call) {
@@ -64,7 +64,7 @@ struct Open {
 
 impl<'c> Story<'c> {
     /// Makes the calls again; hyperperiods count from `start_us` of the firmware's clock.
-    pub(super) fn tell(calls: &'c [Stamped], settings: Settings, start_us: u64) -> Result<Self> {
+    pub(crate) fn tell(calls: &'c [Stamped], settings: Settings, start_us: u64) -> Result<Self> {
         let mut story = Self {
             calls,
             settings,
@@ -176,7 +176,7 @@ impl<'c> Story<'c> {
     }
 
     /// How this flight is judged.
-    pub(super) fn rules(&self) -> Rules {
+    pub(crate) fn rules(&self) -> Rules {
         Rules {
             quantum: self.settings.quantum,
             failsafe_us: self.settings.failsafe.ticks(),
@@ -189,7 +189,7 @@ impl<'c> Story<'c> {
     ///
     /// Through the warm-up it runs at every gating sample, as the policy it is compared with
     /// did: both enter the scored part with the same control state.
-    pub(super) fn fly_periodic(&self, rate_hz: f64) -> Vec<Held> {
+    pub(crate) fn fly_periodic(&self, rate_hz: f64) -> Vec<Held> {
         let mut native = Native::new(self.settings);
         let warm_up_end = self.flight.warm_up_end_us().unwrap_or(u64::MAX);
         let period_us = (1e6 / rate_hz).min(self.settings.failsafe.ticks() as f64);

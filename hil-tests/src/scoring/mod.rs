@@ -35,7 +35,7 @@ pub use periodic::{Held, PeriodicEqual};
 pub use reason::ByReason;
 pub use report::{
     About, BoardTime, Cpu, Firmware, Gap, LatencyPart, ModelState, Options, Report, Sensor,
-    SetpointSource,
+    SetpointSource, Tier,
 };
 pub use rules::{MOST_SATURATED, Rules};
 pub use section::{Actuators, Calibration, Control, Decisions, Section, WINDOW_US, Window};

@@ -22,6 +22,8 @@ pub struct Report {
 pub struct About {
     /// The log's path as it was given.
     pub log: String,
+    /// Who played the board.
+    pub tier: Tier,
     /// `reactive` or `periodic`.
     pub policy: String,
     /// Seed of noise, oscillators and exploration.
@@ -32,22 +34,34 @@ pub struct About {
     pub setpoint: SetpointSource,
     /// Gaps in the log's samples.
     pub gaps: Vec<Gap>,
-    /// Sizes of the firmware that was replayed.
-    pub firmware: Firmware,
+    /// Sizes of the firmware that was replayed; null in the native tier, which runs none.
+    pub firmware: Option<Firmware>,
     /// Every sensor, present in the log or not.
     pub sensors: Vec<Sensor>,
     /// Interrupt to motor register, by reason, after warm-up; null for a reason without a run.
     pub latency_us: ByReason<Option<Quantiles>>,
-    /// What the latency of the runs that the gyro asked for is made of, in order.
+    /// What the latency of the runs that the gyro asked for is made of, in order; empty in the
+    /// native tier.
     pub latency_parts_us: Vec<LatencyPart>,
-    /// Load of the processor after warm-up.
-    pub cpu: Cpu,
-    /// Times of the emulated board.
-    pub board: BoardTime,
+    /// Load of the processor after warm-up; null in the native tier, which has none.
+    pub cpu: Option<Cpu>,
+    /// Times of the emulated board; null in the native tier.
+    pub board: Option<BoardTime>,
     /// Everything that was counted by name: faults, dropped frames, fallbacks.
     pub counters: BTreeMap<String, u64>,
-    /// SHA-256 over all motor writes with their times.
+    /// SHA-256 over all motor writes with their times; in the native tier over the commands of
+    /// all runs with their stamps.
     pub digest: String,
+}
+
+/// Who plays the board in a replay.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Tier {
+    /// An emulator that runs the firmware's ELF.
+    Emulated,
+    /// The host, around the autopilot alone.
+    Native,
 }
 
 /// Options in effect, in the spelling of the command line.

@@ -2,7 +2,7 @@
 
 use super::Score;
 use super::deviation::rate;
-use super::report::{About, LatencyPart, Report, Sensor};
+use super::report::{About, LatencyPart, Report, Sensor, Tier};
 use super::rules::MOST_SATURATED;
 use super::section::Window;
 use super::table::Table;
@@ -256,18 +256,24 @@ fn windows(windows: &[Window]) -> String {
 }
 
 fn board(about: &About) -> String {
-    let (cpu, firmware) = (&about.cpu, &about.firmware);
-    format!(
-        "processor {} % busy, {} instructions a run\n\
-         flash {} bytes, RAM {} bytes and {} bytes of stack\n\
-         motor writes {}\n",
-        number(percent(cpu.busy_fraction), 1),
-        number(cpu.instructions_per_run, 0),
-        firmware.flash_bytes,
-        firmware.ram_bytes,
-        firmware.stack_bytes,
-        about.digest
-    )
+    let mut text = String::new();
+    if about.tier == Tier::Native {
+        text += "native: no processor, so neither load nor latency is known\n";
+    }
+    if let Some(cpu) = &about.cpu {
+        text += &format!(
+            "processor {} % busy, {} instructions a run\n",
+            number(percent(cpu.busy_fraction), 1),
+            number(cpu.instructions_per_run, 0)
+        );
+    }
+    if let Some(firmware) = &about.firmware {
+        text += &format!(
+            "flash {} bytes, RAM {} bytes and {} bytes of stack\n",
+            firmware.flash_bytes, firmware.ram_bytes, firmware.stack_bytes
+        );
+    }
+    text + &format!("motor writes {}\n", about.digest)
 }
 
 /// One line: what the flight says about the policy, or why it says nothing.

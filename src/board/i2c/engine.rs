@@ -10,7 +10,7 @@ use heapless::Deque;
 use reflex::app::Fault;
 use reflex::sensors::IMU_BURST_LENGTH;
 use reflex::time::{Duration, Instant, micros, span};
-use reflex_drivers::mpu6050::{ADDRESS, BURST_START};
+use reflex_drivers::mpu6050::{ADDRESS, BURST_START, Check, LONGEST_CHECK};
 use stm32f4xx_hal::ClearFlags;
 use stm32f4xx_hal::dma::traits::{Channel, Stream, StreamISR};
 use stm32f4xx_hal::dma::{ChannelX, DmaDirection, Stream0, config::Priority};
@@ -18,25 +18,15 @@ use stm32f4xx_hal::pac::{self, Interrupt};
 
 use super::Bus;
 
-/// The longest check in bytes: 8 bytes on the bus and one of margin are 203 us.
-pub const LONGEST_CHECK: usize = 4;
 /// A check is begun this long after the burst's interrupt at the latest: it then ends before
-/// the next burst, at 1 kHz with an oscillator 5 % fast.
+/// the next burst, at 1 kHz with an oscillator 5 % fast. The longest, 8 bytes on the bus and one
+/// of margin, takes 203 us.
 const LATEST_CHECK: Duration = micros(600);
 /// Event interrupts of one transaction before it counts as hung; five are expected, and a START
 /// that waits for its turn on the bus repeats the one before it for some microseconds.
 const MOST_EVENTS: u8 = 100;
 /// Reports that may wait.
 const REPORTS: usize = 4;
-
-/// Registers to be read behind a burst.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Check {
-    /// The first register.
-    pub register: u8,
-    /// How many, 1 to [`LONGEST_CHECK`].
-    pub length: u8,
-}
 
 /// What a transaction came to.
 #[derive(Clone, Copy, Debug)]

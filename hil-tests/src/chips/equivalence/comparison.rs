@@ -1,7 +1,7 @@
 //! The software's decision about a sample, beside the chip's.
 
 use reflex::math::Vec3;
-use reflex::reactive::{Fit, Logistic, Trigger};
+use reflex::reactive::{self, Fit, Logistic, Watch};
 use reflex::settings::Reference;
 
 /// What both decided about one sample; changes and thresholds in SI units.
@@ -55,7 +55,8 @@ impl Decision {
 /// Samples and threshold are whole multiples of one unit below 2^24, so that
 /// the firmware's `f32` arithmetic on them is exact.
 pub struct Comparison {
-    trigger: Trigger,
+    watch: Watch,
+    software: reactive::Decision,
     previous: bool,
     unit: f64,
     age: i32,
@@ -69,13 +70,14 @@ impl Comparison {
     ///
     /// `first` is the sample that the chip was armed with.
     pub fn new(reference: Reference, threshold: f32, unit: f64, first: Sample) -> Self {
-        let mut trigger = Trigger::new(reference, 0.5);
+        let mut software = reactive::Decision::new(0.5);
         // At even odds the model's threshold is -b1/b2.
         let (b1, b2) = (-threshold, 1.0);
-        trigger.set_fit(Fit::Model(Logistic { b1, b2 }));
-        assert_eq!(trigger.threshold(), threshold);
+        software.set_fit(Fit::Model(Logistic { b1, b2 }));
+        assert_eq!(software.threshold(), threshold);
         let mut comparison = Self {
-            trigger,
+            watch: Watch::new(reference),
+            software,
             previous: reference == Reference::PreviousSample,
             unit,
             age: 0,
@@ -89,15 +91,15 @@ impl Comparison {
 
     /// The software's decision about a sample, beside the chip's.
     pub fn decide(&mut self, sample: Sample, chip: bool) -> Decision {
-        let software = self.trigger.take(sample.axes);
+        let x = self.watch.take(sample.axes);
+        let software = self.software.take(x);
         self.newest_clipped = sample.clipped;
         self.clipped |= sample.clipped;
-        let change = self.trigger.change().expect("armed with a sample");
-        let change = f64::from(change) * self.unit;
+        let change = f64::from(x.expect("armed with a sample")) * self.unit;
         self.age += 1;
         let decision = Decision {
             change,
-            threshold: f64::from(self.trigger.threshold()) * self.unit,
+            threshold: f64::from(self.software.threshold()) * self.unit,
             software,
             chip,
             age: self.age,
@@ -111,14 +113,14 @@ impl Comparison {
     /// A run used the newest sample, and the chip was re-armed with it.
     pub fn rearm(&mut self) {
         if !self.previous {
-            self.trigger.on_run();
+            self.watch.on_run();
         }
         self.forget();
     }
 
     /// The chip was re-armed with this sample, about which it decided nothing.
     pub fn rearm_at(&mut self, sample: Sample) {
-        self.trigger.rearm(sample.axes);
+        self.watch.rearm(sample.axes);
         self.newest_clipped = sample.clipped;
         self.forget();
     }

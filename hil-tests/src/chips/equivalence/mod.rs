@@ -3,7 +3,7 @@
 //! The software asks at every sample: is the largest per-axis absolute
 //! difference from the reference sample above the threshold? A chip that
 //! compares by itself must answer alike. Here both see the same samples: the
-//! software ([`reflex::reactive::Trigger`], in units in which its arithmetic is
+//! software ([`reflex::reactive::Watch`], in units in which its arithmetic is
 //! exact) reads what the chip model puts into its data registers, and the
 //! decision of each sample is compared with the chip's interrupt. The chips are
 //! configured and re-armed by the drivers that the firmware uses.

@@ -56,6 +56,7 @@ const SENSELESS: &str = "
 --seed 4294967296 | 4294967296 is not in 0..=4294967295
 a.csv b.csv | a.csv and b.csv: one log at a time
 --defmt src | --defmt src: is a folder
+--native --defmt out.log | --defmt out.log: only the firmware writes a log, leave out --native
 --defmt - | --defmt -: must be the name of a file
 --defmt nowhere/out.log | --defmt nowhere/out.log: its folder does not exist
 Cargo.toml --defmt ./src/../Cargo.toml | is the recorded flight itself

@@ -23,7 +23,8 @@ pub(super) fn check(progress: &mut dyn Progress) -> Result<()> {
     let text = std::fs::read_to_string(&file).with_context(|| file.display().to_string())?;
     let budget: Budget = toml::from_str(&text).with_context(|| file.display().to_string())?;
     let report = replay(&ReplayOptions::default(), progress)?;
-    budget.compare(&report.about.firmware)
+    let firmware = report.about.firmware.context("no firmware was replayed")?;
+    budget.compare(&firmware)
 }
 
 impl Budget {

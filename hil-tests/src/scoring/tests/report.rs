@@ -64,6 +64,7 @@ pub(super) fn about(flight: &Flight) -> About {
     ];
     About {
         log: "flight.ulg".to_owned(),
+        tier: Tier::Emulated,
         policy: "reactive".to_owned(),
         seed: 1,
         options: Options {
@@ -86,11 +87,11 @@ pub(super) fn about(flight: &Flight) -> About {
             start_s: 0.001,
             length_s: 0.0125,
         }],
-        firmware: Firmware {
+        firmware: Some(Firmware {
             flash_bytes: 61_234,
             ram_bytes: 8120,
             stack_bytes: 1804,
-        },
+        }),
         sensors: vec![
             sensor("mpu6050_gyro", ModelState::Fit),
             sensor("lsm303agr_mag", ModelState::Absent),
@@ -100,14 +101,14 @@ pub(super) fn about(flight: &Flight) -> About {
             part: "burst".to_owned(),
             micros: Quantiles::of([405.0, 406.0]),
         }],
-        cpu: Cpu {
+        cpu: Some(Cpu {
             busy_fraction: Some(0.1214),
             instructions_per_run: Some(4711.4),
-        },
-        board: BoardTime {
+        }),
+        board: Some(BoardTime {
             virtual_s: 0.25,
             start_up_s: 0.125,
-        },
+        }),
         counters: [("link_malformed".to_owned(), 0)].into(),
         digest: "e3b0".to_owned(),
     }
@@ -128,7 +129,7 @@ fn json_of(flight: &Flight) -> Value {
 fn every_field_that_others_rely_on_is_spelled_as_they_spell_it() {
     let json = json_of(&flight());
     for pointer in [
-        "/log /duration_s /warm_up_s /hyperperiods /policy /seed /scored /digest",
+        "/log /tier /duration_s /warm_up_s /hyperperiods /policy /seed /scored /digest",
         "/firmware/flash_bytes /firmware/ram_bytes /firmware/stack_bytes",
         "/sensors/0/name /sensors/0/present /sensors/0/samples /sensors/0/interrupts",
         "/sensors/0/triggers /sensors/0/state /sensors/0/threshold /sensors/0/b1 /sensors/0/b2",
@@ -192,7 +193,10 @@ fn what_has_no_value_is_null_and_nothing_is_infinite() {
     flight.end_warm_up(1000);
     end(&mut flight, f32::INFINITY, run(Reason::Trigger, f32::NAN));
     let mut odd = report(&flight);
-    odd.about.cpu.busy_fraction = Some(f64::NAN);
+    odd.about.cpu = Some(Cpu {
+        busy_fraction: Some(f64::NAN),
+        instructions_per_run: None,
+    });
     let text = odd.to_json().unwrap();
     assert!(text.contains("\"busy_fraction\": null"));
     assert!(!text.contains("NaN") && !text.contains("inf"));

@@ -1,49 +1,61 @@
-//! Start-up, heartbeats and repair of the LSM303AGR.
+//! Start-up, heartbeats and repair of both halves.
 //!
 //! A half that fails an order, or whose samples stop coming, is set up again at the next one, as
 //! it was programmed last. A half that is not there at all is only asked for its name, so that
 //! the other one is left in peace.
 
 use embedded_hal::delay::DelayNs;
+use embedded_hal::spi::SpiDevice;
 use lsm303agr::{AccelOutputDataRate, AccelScale, Lsm303agr, MagMode, MagOutputDataRate};
-use reflex::app::OrderError;
-use reflex::config::{CHIP_ACCEL_RATE, CHIP_MAG_RATE};
-use reflex::sensors::Cause;
-use reflex_drivers::Error;
-use reflex_drivers::lsm303agr::{
+
+use super::super::{
     AccelDataRate, AccelFullScale, AccelInterrupt, AccelMode, AccelOutput, AccelPin,
     AccelThreshold, Accelerometer, Axes, HighPass, HighPassCorner, HighPassMode, MagCompare,
     MagInterrupt, MagPin, MagThreshold, Magnetometer, ThreeWire, ThresholdDuration,
 };
+use super::{Cause, Half, Halves, OrderError, Routing, Sample, failure};
+use crate::error::Error;
 
-use super::{Chips, Half, Routing, Sample, SpiError, failure};
+/// The data rates that both halves are set to.
+#[derive(Clone, Copy, Debug)]
+pub struct Rates {
+    /// The accelerometer's, as the crate and as the register layer name it.
+    accel: (AccelOutputDataRate, AccelDataRate),
+    mag: MagOutputDataRate,
+}
 
-/// The accelerometer's rate, as the crate and as the register layer name it.
-const ACCEL_RATES: (AccelOutputDataRate, AccelDataRate) = match CHIP_ACCEL_RATE {
-    400 => (AccelOutputDataRate::Hz400, AccelDataRate::Hz400),
-    200 => (AccelOutputDataRate::Hz200, AccelDataRate::Hz200),
-    100 => (AccelOutputDataRate::Hz100, AccelDataRate::Hz100),
-    50 => (AccelOutputDataRate::Hz50, AccelDataRate::Hz50),
-    25 => (AccelOutputDataRate::Hz25, AccelDataRate::Hz25),
-    10 => (AccelOutputDataRate::Hz10, AccelDataRate::Hz10),
-    _ => panic!("the accelerometer of the LSM303AGR has no such rate"),
-};
+impl Rates {
+    /// The rates in Hz: 400, 200, 100, 50, 25 or 10, and 100, 50, 20 or 10; `None` for others.
+    #[must_use]
+    pub const fn from_hz(accel: u32, mag: u32) -> Option<Self> {
+        let accel = match accel {
+            400 => (AccelOutputDataRate::Hz400, AccelDataRate::Hz400),
+            200 => (AccelOutputDataRate::Hz200, AccelDataRate::Hz200),
+            100 => (AccelOutputDataRate::Hz100, AccelDataRate::Hz100),
+            50 => (AccelOutputDataRate::Hz50, AccelDataRate::Hz50),
+            25 => (AccelOutputDataRate::Hz25, AccelDataRate::Hz25),
+            10 => (AccelOutputDataRate::Hz10, AccelDataRate::Hz10),
+            _ => return None,
+        };
+        let mag = match mag {
+            100 => MagOutputDataRate::Hz100,
+            50 => MagOutputDataRate::Hz50,
+            20 => MagOutputDataRate::Hz20,
+            10 => MagOutputDataRate::Hz10,
+            _ => return None,
+        };
+        Some(Self { accel, mag })
+    }
 
-/// The magnetometer's rate.
-const MAG_RATE: MagOutputDataRate = match CHIP_MAG_RATE {
-    100 => MagOutputDataRate::Hz100,
-    50 => MagOutputDataRate::Hz50,
-    20 => MagOutputDataRate::Hz20,
-    10 => MagOutputDataRate::Hz10,
-    _ => panic!("the magnetometer of the LSM303AGR has no such rate"),
-};
-
-/// What the crate is told to set, checked against the chip.
-const OUTPUT: AccelOutput = AccelOutput {
-    data_rate: ACCEL_RATES.1,
-    full_scale: AccelFullScale::G2,
-    mode: AccelMode::HighResolution,
-};
+    /// What the crate is told to set, checked against the chip.
+    const fn output(self) -> AccelOutput {
+        AccelOutput {
+            data_rate: self.accel.1,
+            full_scale: AccelFullScale::G2,
+            mode: AccelMode::HighResolution,
+        }
+    }
+}
 
 /// "Changed by more than the threshold on any axis since REFERENCE_A was read", latched.
 pub(super) const fn accel_interrupt(threshold: AccelThreshold) -> AccelInterrupt {
@@ -78,12 +90,12 @@ impl DelayNs for NoWait {
     fn delay_ns(&mut self, _: u32) {}
 }
 
-impl Chips {
+impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
     /// Sets a half up again whose last order failed.
     pub(super) fn revive_lost(&mut self, half: Half) -> Result<(), OrderError> {
         match half {
-            Half::Accel if !self.accel_state.answers => self.revive_accel(),
-            Half::Mag if !self.mag_state.answers => self.revive_mag(),
+            Half::Accel if !self.accel_state.answers => self.set_up_accel(),
+            Half::Mag if !self.mag_state.answers => self.set_up_mag(),
             _ => Ok(()),
         }
     }
@@ -92,7 +104,7 @@ impl Chips {
     /// a latch that is not cleared stays silent.
     pub(super) fn accel_heartbeat(&mut self) -> Result<Sample, OrderError> {
         if self.accel_state.is_silent() {
-            self.revive_accel()?;
+            self.set_up_accel()?;
         }
         self.accel_state.heard = false;
         self.check_accel().map_err(failure)?;
@@ -106,7 +118,7 @@ impl Chips {
     /// As [`Self::accel_heartbeat`].
     pub(super) fn mag_heartbeat(&mut self) -> Result<Sample, OrderError> {
         if self.mag_state.is_silent() {
-            self.revive_mag()?;
+            self.set_up_mag()?;
         }
         self.mag_state.heard = false;
         self.check_mag().map_err(failure)?;
@@ -117,17 +129,17 @@ impl Chips {
         })
     }
 
-    fn check_accel(&mut self) -> Result<(), Error<SpiError>> {
+    fn check_accel(&mut self) -> Result<(), Error<A::Error>> {
         let mut chip = Accelerometer::new(&mut self.accel);
         chip.check_identity()?;
-        chip.verify_output(OUTPUT)?;
+        chip.verify_output(self.rates.output())?;
         if let Routing::Threshold(threshold) = self.accel_state.routing {
             chip.verify_interrupt(accel_interrupt(threshold))?;
         }
         Ok(())
     }
 
-    fn check_mag(&mut self) -> Result<(), Error<SpiError>> {
+    fn check_mag(&mut self) -> Result<(), Error<A::Error>> {
         let mut chip = Magnetometer::new(&mut self.mag);
         chip.check_identity()?;
         if let Routing::Threshold(threshold) = self.mag_state.routing {
@@ -137,7 +149,11 @@ impl Chips {
     }
 
     /// Sets the accelerometer up, should it be there.
-    pub(super) fn revive_accel(&mut self) -> Result<(), OrderError> {
+    ///
+    /// # Errors
+    /// The bus's, a chip that is not there or does not hold what was written: it is tried again
+    /// at its next order.
+    pub fn set_up_accel(&mut self) -> Result<(), OrderError> {
         ThreeWire::enable(&mut self.accel).map_err(|_| OrderError::Bus)?;
         let mut chip = Accelerometer::new(&mut self.accel);
         chip.check_identity().map_err(failure)?;
@@ -149,7 +165,10 @@ impl Chips {
     }
 
     /// Sets the magnetometer up, should it be there.
-    pub(super) fn revive_mag(&mut self) -> Result<(), OrderError> {
+    ///
+    /// # Errors
+    /// As [`Self::set_up_accel`].
+    pub fn set_up_mag(&mut self) -> Result<(), OrderError> {
         let mut chip = Magnetometer::new(&mut self.mag);
         chip.check_identity().map_err(failure)?;
         self.set_up()?;
@@ -159,15 +178,15 @@ impl Chips {
 
     /// Rate, range and mode of both halves by the crate, which holds both at once.
     fn set_up(&mut self) -> Result<(), OrderError> {
-        let mut set_up = || -> Result<(), lsm303agr::Error<SpiError>> {
+        let mut set_up = || -> Result<(), lsm303agr::Error<A::Error>> {
             let accel = ThreeWire::enable(&mut self.accel).map_err(lsm303agr::Error::Comm)?;
             let mut chip = Lsm303agr::new_with_spi(accel, &mut self.mag);
             chip.init()?;
             let mode = lsm303agr::AccelMode::HighResolution;
-            chip.set_accel_mode_and_odr(&mut NoWait, mode, ACCEL_RATES.0)?;
+            chip.set_accel_mode_and_odr(&mut NoWait, mode, self.rates.accel.0)?;
             chip.set_accel_scale(AccelScale::G2)?;
             let mode = MagMode::HighResolution;
-            chip.set_mag_mode_and_odr(&mut NoWait, mode, MAG_RATE)?;
+            chip.set_mag_mode_and_odr(&mut NoWait, mode, self.rates.mag)?;
             let chip = chip.into_mag_continuous();
             chip.map(|_| ()).map_err(|failed| failed.error)
         };

@@ -1,0 +1,207 @@
+//! The native board: chips, buses and tasks around one autopilot, in virtual time.
+//!
+//! It does what `main.rs` of the firmware does, in the same order and at nearly the same
+//! instants, without its instructions: interrupt edges of the chip models are stamped, bytes
+//! move, one `on_*` of the autopilot is called. Tasks do not preempt each other; what a task
+//! takes is a constant of `timing`. Nothing reads a clock and nothing is random but the models'
+//! seeds, so the same flight gives the same calls.
+//!
+//! **Not played**: the log, answers and telemetry on the link, the motors' timers.
+
+use std::sync::Arc;
+use std::vec;
+
+use embedded_hal::i2c::I2c;
+use reflex::app::{Autopilot, Call, Recorder, Stamped};
+use reflex::config::{CHIP_ACCEL_RATE, CHIP_MAG_RATE, IMU_RATE};
+use reflex::link::Parser;
+use reflex::reactive::Refit;
+use reflex::sensors::IMU_BURST_LENGTH;
+use reflex::settings::Settings;
+use reflex::time::Instant;
+use reflex_drivers::lsm303agr::halves::{Halves, Rates};
+use reflex_drivers::mpu6050::{self, ImuConfig};
+
+use super::agenda::{Agenda, Event};
+use super::tasks::Work;
+use super::timing::{BOOT_NS, CHIPS_START_NS, IMU_START_NS, IMU_WAKE_NS};
+use super::wires::{BusTime, I2cBus, Spi, Wire};
+use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
+use crate::chips::{ChipOptions, Mpu6050, StimulusSource};
+use crate::flights::LinkFrame;
+
+/// The rates that the firmware programs.
+const RATES: Rates = match Rates::from_hz(CHIP_ACCEL_RATE, CHIP_MAG_RATE) {
+    Some(rates) => rates,
+    None => panic!("the LSM303AGR has no such rates"),
+};
+
+/// What the firmware has the MPU6050 hold.
+pub(super) const IMU_CONFIG: ImuConfig = ImuConfig {
+    rate_divider: (1000 / IMU_RATE - 1) as u8,
+    ..ImuConfig::FLIGHT
+};
+
+/// What the crate `mpu6050` writes first: awake, on the gyro's clock.
+const IMU_WAKE: [u8; 2] = [mpu6050::register::PWR_MGMT_1, 0x01];
+
+/// Every call with its stamp.
+#[derive(Debug, Default)]
+pub(super) struct Calls(pub(super) Vec<Stamped>);
+
+impl Recorder for Calls {
+    fn record(&mut self, at: Instant, call: &Call) {
+        self.0.push(Stamped { at, call: *call });
+    }
+}
+
+/// A burst under way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Burst {
+    /// Stamp of its interrupt.
+    pub(super) at: Instant,
+    /// What was read; none where the chip did not answer.
+    pub(super) bytes: Option<[u8; IMU_BURST_LENGTH]>,
+}
+
+/// The board, standing at the instant it was last run to.
+pub(super) struct NativeBoard {
+    pub(super) pilot: Autopilot<Calls>,
+    pub(super) agenda: Agenda,
+    pub(super) now_ns: u64,
+
+    pub(super) imu: Wire<Mpu6050>,
+    pub(super) imu_bus: I2cBus,
+    pub(super) burst: Option<Burst>,
+    /// When the last burst came to its end, or the bus came back.
+    pub(super) last_burst_ns: u64,
+    pub(super) imu_check_due: bool,
+    /// Register checks so far.
+    pub(super) imu_check: usize,
+
+    pub(super) accel: Wire<Accelerometer>,
+    pub(super) mag: Wire<Magnetometer>,
+    pub(super) spi_time: BusTime,
+    pub(super) halves: Halves<Spi<Accelerometer>, Spi<Magnetometer>>,
+    /// Stamps of interrupts whose sample is still to be fetched.
+    pub(super) accel_fetch: Option<Instant>,
+    pub(super) mag_fetch: Option<Instant>,
+    /// What the LSM303AGR's owner is about.
+    pub(super) work: Option<Work>,
+    /// It was raised again meanwhile.
+    pub(super) raised_again: bool,
+
+    pub(super) parser: Parser,
+    pub(super) frames: vec::IntoIter<LinkFrame>,
+    /// The frame that is being received, and when the line falls idle behind it.
+    pub(super) frame: Option<LinkFrame>,
+    pub(super) line_free_ns: u64,
+
+    pub(super) refit: Option<Refit>,
+}
+
+impl NativeBoard {
+    /// Powers the chips and starts up; `frames` come in order of time.
+    pub(super) fn boot(
+        settings: Settings,
+        source: &Arc<dyn StimulusSource>,
+        options: ChipOptions,
+        frames: Vec<LinkFrame>,
+    ) -> Self {
+        let imu = Wire::new(Mpu6050::new(Arc::clone(source), options));
+        let accel = Wire::new(Accelerometer::new(Arc::clone(source), options));
+        let mag = Wire::new(Magnetometer::new(Arc::clone(source), options));
+        let spi_time = BusTime::default();
+        let halves = Halves::new(
+            Spi {
+                wire: accel.clone(),
+                time: spi_time.clone(),
+            },
+            Spi {
+                wire: mag.clone(),
+                time: spi_time.clone(),
+            },
+            RATES,
+        );
+        let imu_bus = I2cBus {
+            wire: imu.clone(),
+            time: BusTime::default(),
+        };
+        let mut board = Self {
+            pilot: Autopilot::new(settings, Calls::default()),
+            agenda: Agenda::new(),
+            now_ns: 0,
+            imu,
+            imu_bus,
+            burst: None,
+            last_burst_ns: BOOT_NS,
+            imu_check_due: false,
+            imu_check: 0,
+            accel,
+            mag,
+            spi_time,
+            halves,
+            accel_fetch: None,
+            mag_fetch: None,
+            work: None,
+            raised_again: false,
+            parser: Parser::new(),
+            frames: frames.into_iter(),
+            frame: None,
+            line_free_ns: 0,
+            refit: None,
+        };
+        board.start_up();
+        board
+    }
+
+    /// Whatever does not answer is set up again later, as on the board.
+    fn start_up(&mut self) {
+        self.spi_time.set_ns(CHIPS_START_NS);
+        let _ = self.halves.set_up_accel();
+        let _ = self.halves.set_up_mag();
+        self.imu_bus.time.set_ns(IMU_WAKE_NS);
+        let _ = self.imu_bus.write(mpu6050::ADDRESS, &IMU_WAKE);
+        self.imu_bus.time.set_ns(IMU_START_NS);
+        let _ = mpu6050::Mpu6050::new(&mut self.imu_bus, mpu6050::ADDRESS).configure(&IMU_CONFIG);
+        self.agenda.set(Event::Timer, BOOT_NS);
+        self.watch_imu();
+        self.watch_chips();
+        self.receive_next_frame();
+    }
+
+    /// Runs to an instant.
+    pub(super) fn run_until(&mut self, until_ns: u64) {
+        while let Some((at_ns, event)) = self.agenda.take(until_ns) {
+            // What a bus did ahead of time is noted at its own instant, never before now.
+            self.now_ns = self.now_ns.max(at_ns);
+            match event {
+                Event::ImuLine => self.on_imu_line(),
+                Event::AccelLine => self.on_accel_line(),
+                Event::MagLine => self.on_mag_line(),
+                Event::Burst => self.on_burst(),
+                Event::Repaired => self.on_repaired(),
+                Event::Hyperperiod | Event::LateHyperperiod => self.on_hyperperiod(),
+                Event::Timer => self.on_timer(),
+                Event::Chips => self.on_chips(),
+                Event::Frame => self.on_frame(),
+                Event::Refit => self.on_refit(),
+            }
+        }
+        self.now_ns = self.now_ns.max(until_ns);
+    }
+
+    /// Everything that was called so far; later calls begin anew.
+    pub(super) fn take_calls(&mut self) -> Vec<Stamped> {
+        std::mem::take(&mut self.pilot.recorder().0)
+    }
+
+    pub(super) fn watch_imu(&mut self) {
+        self.agenda.set(Event::ImuLine, self.imu.next_ns());
+    }
+
+    pub(super) fn watch_chips(&mut self) {
+        self.agenda.set(Event::AccelLine, self.accel.next_ns());
+        self.agenda.set(Event::MagLine, self.mag.next_ns());
+    }
+}

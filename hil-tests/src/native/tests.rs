@@ -1,0 +1,238 @@
+//! Native flights: repeatable, reactive, and like the emulated ones in what matters.
+
+use std::fmt::Write;
+
+use reflex::app::{Call, ChipOrder};
+use reflex::settings::{Policy, Settings};
+use reflex::time::micros;
+
+use super::*;
+use crate::chips::SpiChip;
+use crate::flights::{Rotate, Rotation};
+use crate::recordings::recording;
+use crate::scoring::Tier;
+
+/// A flight in gusts that come and go, of `seconds` at 500 Hz, by formula.
+fn gusts(seconds: u64) -> Flight {
+    let mut text = String::from("t_us,gx,gy,gz,ax,ay,az,mx,my,mz\n");
+    for step in 0..seconds * 500 {
+        let t = step as f64 / 500.0;
+        let gust = (0.5 - 0.5 * (1.3 * t).cos()).powi(2) * t.min(1.0);
+        let [gx, gy, gz] = [
+            gust * (0.5 * (5.1 * t).sin() + 0.2 * (31.0 * t).sin()),
+            gust * (0.4 * (6.3 * t).sin() + 0.2 * (27.0 * t).cos()),
+            gust * 0.2 * (2.2 * t).sin(),
+        ];
+        let [ax, ay, az] = [
+            gust * (3.7 * t).sin(),
+            gust * (4.3 * t).cos(),
+            -9.8 + gust * (9.0 * t).sin(),
+        ];
+        let [mx, my] = [0.2 + 0.02 * gust * t.sin(), 0.02 * gust * (1.7 * t).sin()];
+        writeln!(
+            text,
+            "{},{gx},{gy},{gz},{ax},{ay},{az},{mx},{my},0.4",
+            step * 2000
+        )
+        .expect("a string takes everything");
+    }
+    let rotate = Rotate::Named(Rotation::NONE);
+    Flight::of_bytes("gusts.csv".into(), text.as_bytes(), rotate)
+        .unwrap_or_else(|fault| panic!("{fault:?}"))
+}
+
+fn scored(flight: &Flight, options: &ReplayOptions) -> Score {
+    fly_and_score(flight, options).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
+fn check_that_runs_are_spared(score: &Score) {
+    assert!(score.warm_up.ended, "reactive control was never reached");
+    let control = &score.section.control;
+    assert!(control.by_reason.trigger > 0, "{control:?}");
+    assert!(
+        control.runs < score.hyperperiods * 2 / 3,
+        "{} runs in {} hyperperiods",
+        control.runs,
+        score.hyperperiods
+    );
+}
+
+#[test]
+fn the_same_options_give_the_same_calls_twice() {
+    let flight = gusts(5);
+    let options = ReplayOptions::default();
+    let [first, second] = [(); 2].map(|()| fly(&flight, &options).expect("a flight"));
+    assert!(first.len() > 10_000, "{} calls", first.len());
+    assert_eq!(first, second);
+    let settings = Settings {
+        seed: 2,
+        ..Settings::default()
+    };
+    let other = ReplayOptions {
+        settings,
+        ..options
+    };
+    assert_ne!(first, fly(&flight, &other).expect("a flight"));
+}
+
+#[test]
+fn a_short_flight_reaches_reactive_control_and_spares_runs() {
+    check_that_runs_are_spared(&scored(&gusts(20), &ReplayOptions::default()));
+}
+
+#[test]
+fn a_recorded_flight_reaches_reactive_control_and_spares_runs() {
+    let Some(log) = recording("csv/px4_v6c_quad_calm.csv") else {
+        return;
+    };
+    let flight = Flight::read(&log, Rotate::Auto).expect("a flight");
+    check_that_runs_are_spared(&scored(&flight, &ReplayOptions::default()));
+}
+
+#[test]
+fn periodic_control_runs_at_its_rate() {
+    let settings = Settings {
+        policy: Policy::Periodic(micros(4_000)),
+        ..Settings::default()
+    };
+    let options = ReplayOptions {
+        settings,
+        ..ReplayOptions::default()
+    };
+    let control = scored(&gusts(5), &options).section.control;
+    let rate = control.by_reason.periodic as f64 / 5.0;
+    assert!((rate - 250.0).abs() < 3.0, "{rate} Hz");
+}
+
+#[test]
+fn flights_go_on_side_by_side_in_threads_of_the_caller() {
+    let flight = gusts(5);
+    let seeds = [1, 2].map(|seed| ReplayOptions {
+        settings: Settings {
+            seed,
+            ..Settings::default()
+        },
+        ..ReplayOptions::default()
+    });
+    let alone: Vec<_> = (seeds.iter())
+        .map(|options| fly(&flight, options).ok())
+        .collect();
+    let together: Vec<_> = std::thread::scope(|scope| {
+        let flights: Vec<_> = (seeds.iter())
+            .map(|options| scope.spawn(|| fly(&flight, options).ok()))
+            .collect();
+        (flights.into_iter())
+            .map(|flight| flight.join().expect("no panic"))
+            .collect()
+    });
+    assert!(alone == together && alone.iter().all(Option::is_some));
+}
+
+/// A board in the middle of the gusts, in reactive control with both chips programmed.
+fn in_flight(seconds: u64) -> NativeBoard {
+    let flight = gusts(30);
+    let setpoints = Setpoints::of(&flight);
+    let (mut board, _) = boot(&flight, &setpoints, &ReplayOptions::default());
+    board.run_until(seconds * 1_000_000_000);
+    board
+}
+
+#[test]
+fn a_supply_dip_of_the_accelerometer_is_noticed_and_it_is_programmed_again() {
+    let dip_ns = 15_000_000_000;
+    let mut board = in_flight(15);
+    let threshold = board.accel.with(|wired| wired.chip.register(0x32));
+    let flown = board.take_calls();
+    let programmed = |call: &Call| {
+        matches!(
+            call,
+            Call::OrderDone(
+                ChipOrder::AccelThreshold(_) | ChipOrder::AccelDataReady,
+                Ok(())
+            )
+        )
+    };
+    assert!(flown.iter().any(|stamped| programmed(&stamped.call)));
+    board.accel.with(|wired| wired.chip.brown_out(dip_ns));
+    assert_eq!(board.accel.with(|wired| wired.chip.next_event()), u64::MAX);
+    board.run_until(dip_ns + 3_000_000_000);
+
+    let calls = board.take_calls();
+    let after_ms = |of: &dyn Fn(&Call) -> bool| {
+        let stamped = calls.iter().find(|stamped| of(&stamped.call))?;
+        Some((stamped.at.ticks() - clock(dip_ns).ticks()) as f64 * 1e-3)
+    };
+    let noticed = after_ms(&|call| {
+        let half = [ChipOrder::AccelHeartbeat, ChipOrder::AccelRearm];
+        matches!(call, Call::OrderDone(order, Err(_)) if half.contains(order))
+    });
+    let again = after_ms(&programmed);
+    println!("threshold {threshold}: noticed after {noticed:?} ms, programmed after {again:?} ms");
+    assert!(noticed.is_some_and(|after| after < 250.0), "{noticed:?}");
+    assert!(again.is_some_and(|after| after < 500.0), "{again:?}");
+    let samples_again = board.accel.with(|wired| wired.chip.rate_hz());
+    assert_eq!(
+        samples_again,
+        Some(f64::from(reflex::config::CHIP_ACCEL_RATE))
+    );
+}
+
+#[test]
+fn a_supply_dip_of_the_gyro_is_repaired_within_the_failsafe() {
+    let mut board = in_flight(10);
+    let before = board.imu.with(|wired| wired.rises.len());
+    board.imu.with(|wired| wired.chip.brown_out(10_000_000_000));
+    board.run_until(11_000_000_000);
+    let samples = board.imu.with(|wired| wired.rises.len()) - before;
+    println!("{samples} samples in the second behind the dip");
+    assert!(samples > 700, "{samples} samples");
+}
+
+/// Runs within 10 %, RMS within 15 %: the tiers' samples differ by microseconds, and with them
+/// every label; they must not differ in what control decides.
+fn check_that_the_tiers_agree(name: &str) {
+    let Some(log) = recording(name) else {
+        return;
+    };
+    let options = ReplayOptions {
+        log: Some(log),
+        duration_s: Some(60.0),
+        ..ReplayOptions::default()
+    };
+    let native = replay(&options, &mut crate::progress::Silent).expect("a native replay");
+    let emulated = crate::replay::replay(&options, &mut crate::progress::Silent).expect("a replay");
+    assert_eq!(
+        (native.about.tier, emulated.about.tier),
+        (Tier::Native, Tier::Emulated)
+    );
+    assert!(native.about.cpu.is_none() && native.about.firmware.is_none());
+    let within = |what: &str, native: f64, emulated: f64, most: f64| {
+        println!("{name}: {what} {native:.3} natively, {emulated:.3} emulated");
+        let off = (native / emulated - 1.0).abs();
+        assert!(
+            off <= most,
+            "{name}: {what} {native} natively, {emulated} emulated"
+        );
+    };
+    let runs = |report: &Report| report.score.section.control.runs as f64;
+    within("runs", runs(&native), runs(&emulated), 0.10);
+    let rms = |report: &Report| {
+        let rms = report.score.section.actuators.rms_deviation_quanta;
+        rms.expect("something was scored")
+    };
+    within("RMS", rms(&native), rms(&emulated), 0.15);
+    for sensor in 0..native.about.sensors.len() {
+        let samples = |report: &Report| report.about.sensors[sensor].samples as f64;
+        within("samples", samples(&native), samples(&emulated), 0.05);
+    }
+}
+
+#[test]
+fn the_tiers_agree_on_a_calm_hover() {
+    check_that_the_tiers_agree("csv/px4_v6c_quad_calm.csv");
+}
+
+#[test]
+fn the_tiers_agree_on_a_loiter() {
+    check_that_the_tiers_agree("csv/ap33_solo_loiter_mpu6000_lsm303d.csv");
+}

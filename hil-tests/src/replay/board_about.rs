@@ -1,0 +1,125 @@
+//! What only the emulated board shows: sizes, latencies, load, its link and its log.
+
+use std::collections::BTreeMap;
+
+use reflex::app::Ran;
+
+use super::about::{Known, Seen, accel_threshold, mag_threshold, scored_from_us};
+use super::alignment::{AlignedRun, Alignment};
+use super::bench::{TestBench, held};
+use super::latency;
+use super::observation::Observation;
+use super::story::Story;
+use crate::board::Outcome;
+use crate::firmware::Firmware;
+use crate::flights::Flight;
+use crate::replay_options::ReplayOptions;
+use crate::scoring::{self, BoardTime, Cpu, MotorDigest, Tier, latencies};
+
+/// Everything that the report of an emulated replay is told from.
+pub(super) struct BoardAbout<'r, 'c> {
+    pub(super) options: &'r ReplayOptions,
+    pub(super) flight: &'r Flight,
+    pub(super) firmware: &'r Firmware,
+    pub(super) bench: &'r TestBench,
+    pub(super) observation: &'r Observation,
+    pub(super) outcome: &'r Outcome,
+    pub(super) alignment: &'r Alignment,
+    pub(super) story: &'r Story<'c>,
+}
+
+impl BoardAbout<'_, '_> {
+    pub(super) fn tell(&self) -> scoring::About {
+        let aligned = self.alignment.runs.iter();
+        let runs: Vec<(u64, Ran)> = aligned.map(|run| (run.at_us, run.ran)).collect();
+        let known = Known {
+            options: self.options,
+            flight: self.flight,
+            setpoints: &self.bench.setpoints,
+            story: self.story,
+            runs: &runs,
+            seen: Seen {
+                from_ns: self.scored_from_ns(),
+                edges: self.observation.edges.each_ref().map(Vec::as_slice),
+                samples: &self.bench.samples,
+                chip_thresholds: [
+                    accel_threshold(&held(&self.bench.accel)),
+                    mag_threshold(&held(&self.bench.mag)),
+                ],
+            },
+        };
+        let known = known.tell(Tier::Emulated, self.digest());
+        scoring::About {
+            firmware: Some(scoring::Firmware {
+                flash_bytes: self.firmware.sizes.flash_bytes.into(),
+                ram_bytes: self.firmware.sizes.ram_bytes.into(),
+                stack_bytes: self.outcome.stack.used.into(),
+            }),
+            latency_us: latencies(&self.story.flight, &latency::samples(&self.alignment.runs)),
+            latency_parts_us: latency::parts(self.observation, self.scored_runs()),
+            cpu: Some(self.cpu()),
+            board: Some(BoardTime {
+                virtual_s: self.outcome.ended_ns as f64 * 1e-9,
+                start_up_s: self
+                    .story
+                    .first_hyperperiod_us
+                    .map_or(0.0, |at| self.alignment.board_ns(at) as f64 * 1e-9),
+            }),
+            counters: self.counters(known.counters),
+            ..known
+        }
+    }
+
+    fn scored_from_ns(&self) -> u64 {
+        self.alignment.board_ns(scored_from_us(self.story))
+    }
+
+    fn scored_runs(&self) -> impl Iterator<Item = &AlignedRun> {
+        let from = scored_from_us(self.story);
+        self.alignment
+            .runs
+            .iter()
+            .filter(move |run| run.at_us > from)
+    }
+
+    fn cpu(&self) -> Cpu {
+        let from_ns = self.scored_from_ns();
+        let rate = self.outcome.load.instructions_per_second as f64 * 1e-9;
+        let lengths: Vec<f64> = latency::run_lengths_ns(self.observation, self.scored_runs())
+            .map(|length_ns| length_ns as f64 * rate)
+            .collect();
+        let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
+        Cpu {
+            busy_fraction: (!self.story.flight.steps().is_empty())
+                .then(|| self.outcome.load.busy_fraction(from_ns)),
+            instructions_per_run: (!lengths.is_empty()).then_some(mean),
+        }
+    }
+
+    /// What the board counted, added to what both tiers know.
+    fn counters(&self, mut counters: BTreeMap<String, u64>) -> BTreeMap<String, u64> {
+        let link = &self.outcome.link;
+        counters.extend([
+            ("link_bytes_received".into(), link.received),
+            ("link_bytes_sent".into(), link.sent),
+            ("link_bytes_lost".into(), link.lost),
+            (
+                "unmodelled_registers".into(),
+                self.outcome.unmodelled.len() as u64,
+            ),
+            ("log_lines".into(), self.observation.log_lines),
+            ("log_errors".into(), self.observation.errors.len() as u64),
+            ("log_frames_damaged".into(), self.outcome.damaged_log_frames),
+            ("motor_writes".into(), self.observation.motors.len() as u64),
+        ]);
+        counters
+    }
+
+    fn digest(&self) -> String {
+        let mut digest = MotorDigest::new();
+        for write in &self.observation.motors {
+            digest.write(write.at_ns, &write.pulse_ns);
+        }
+        digest.hex()
+    }
+}
