@@ -36,6 +36,12 @@ pub struct Wanted {
 }
 
 impl Wanted {
+    /// The desired rates after a turn of the body (rad), to first order.
+    #[must_use]
+    pub fn after_turn(&self, turned: Vec3) -> BodyRates {
+        BodyRates(self.rates.0 - turned.scale(self.stiffness))
+    }
+
     /// The desired rates integrated over a stretch of time, in rad, to first order.
     ///
     /// `swept` is the angle turned, integrated over that time (rad s), `dt` its length (s).
@@ -152,7 +158,7 @@ mod tests {
                 yaw,
             );
             let before = law.wanted(Quaternion::IDENTITY, &setpoint);
-            let foreseen = before.rates.0 - turn.scale(before.stiffness);
+            let foreseen = before.after_turn(turn).0;
             let turned = law.wanted(Quaternion::IDENTITY.turned_by(turn), &setpoint);
             let miss = (foreseen - turned.rates.0).max_norm();
             assert!(

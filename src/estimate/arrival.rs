@@ -7,7 +7,7 @@
 
 use crate::config::{ACCEL_CUTOFF, GYRO_CUTOFF, RATE_D_CUTOFF};
 use crate::math::Vec3;
-use crate::sensors::ImuSample;
+use crate::sensors::{GRAVITY, ImuSample};
 use crate::time::{Instant, seconds, span};
 use crate::units::{BodyRates, SpecificForce};
 use core::f32::consts::TAU;
@@ -22,6 +22,12 @@ pub struct Increment {
     pub swept: Vec3,
     /// Specific force integrated, in m/s, body axes.
     pub velocity: Vec3,
+    /// Direction of down as the specific force shows it, integrated over the time that it can be
+    /// trusted, in s, body axes.
+    ///
+    /// Trust falls to zero as a sample's force leaves 1 g: in a manoeuvre it does not show the
+    /// vertical. Judged by the mean force between two runs, vibration would pass for rest.
+    pub down: Vec3,
     /// Time covered, in seconds; zero where no sample arrived.
     pub dt: f32,
 }
@@ -43,6 +49,7 @@ impl Increment {
             angle: self.angle - earlier.angle,
             swept: self.swept - earlier.swept,
             velocity: self.velocity - earlier.velocity,
+            down: self.down - earlier.down,
             dt: self.dt - earlier.dt,
         }
     }
@@ -104,6 +111,7 @@ impl Arrival {
         self.sum.swept += (self.sum.angle + turned * 0.5) * dt;
         self.sum.angle += turned;
         self.sum.velocity += self.force.second * dt;
+        self.sum.down += trusted_down(self.force.second) * dt;
         self.sum.dt += dt;
     }
 
@@ -144,6 +152,17 @@ impl Arrival {
     #[must_use]
     pub fn force(&self) -> SpecificForce {
         SpecificForce(self.force.second)
+    }
+}
+
+/// The direction of down that a specific force (m/s2) shows, as long as it is trusted, 0 to 1.
+fn trusted_down(force: Vec3) -> Vec3 {
+    let size = force.norm();
+    let trust = 1.0 - (size - GRAVITY).abs() * (2.0 / GRAVITY);
+    if trust > 0.0 {
+        force * (-trust / size)
+    } else {
+        Vec3::ZERO
     }
 }
 

@@ -6,7 +6,6 @@
 use super::Increment;
 use crate::config::{ACCEL_CORRECTION, HEADING_CORRECTION};
 use crate::math::{Quaternion, Vec3};
-use crate::sensors::GRAVITY;
 
 /// Attitude estimate, body to Earth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,37 +34,27 @@ impl AttitudeFilter {
     /// `heading_error` is by how much (rad, clockwise) the estimate's heading falls short of a
     /// measured one, where there is one.
     pub fn step(&mut self, motion: &Increment, heading_error: Option<f32>) {
-        self.attitude = self.attitude_after(motion, heading_error);
+        let correction = self.correction(motion, heading_error);
+        self.attitude = self.attitude_after(motion, correction);
     }
 
-    /// The estimate that [`Self::step`] would come to, leaving no trace.
+    /// The turn (rad, body axes) towards gravity and the measured heading over this motion.
     #[must_use]
-    pub fn attitude_after(&self, motion: &Increment, heading_error: Option<f32>) -> Quaternion {
+    pub fn correction(&self, motion: &Increment, heading_error: Option<f32>) -> Vec3 {
+        let down = self.attitude.down_in_body();
+        let towards_gravity = motion.down.cross(down) * ACCEL_CORRECTION;
+        let towards_heading = HEADING_CORRECTION * heading_error.unwrap_or(0.0) * motion.dt;
+        towards_gravity + down * towards_heading
+    }
+
+    /// The estimate that [`Self::step`] would come to with this correction, leaving no trace.
+    #[must_use]
+    pub fn attitude_after(&self, motion: &Increment, correction: Vec3) -> Quaternion {
         if motion.dt <= 0.0 {
             return self.attitude;
         }
-        let down = self.attitude.down_in_body();
-        let mut turn = motion.angle + towards_gravity(down, motion) * motion.dt;
-        if let Some(error) = heading_error {
-            turn += down * (HEADING_CORRECTION * error * motion.dt);
-        }
-        in_small_turns(self.attitude, turn)
+        in_small_turns(self.attitude, motion.angle + correction)
     }
-}
-
-/// Rate (rad/s) that turns the estimated vertical, `down` in body axes, towards the measured one.
-///
-/// Trust falls to zero as the mean specific force leaves 1 g: in a manoeuvre it does not show
-/// the vertical.
-fn towards_gravity(down: Vec3, motion: &Increment) -> Vec3 {
-    let force = motion.velocity * (1.0 / motion.dt);
-    let size = force.norm();
-    let trust = 1.0 - (size - GRAVITY).abs() * (2.0 / GRAVITY);
-    if trust <= 0.0 {
-        return Vec3::ZERO;
-    }
-    let measured_down = force * (-1.0 / size);
-    measured_down.cross(down) * (ACCEL_CORRECTION * trust)
 }
 
 /// Turns in steps that the small-angle formula is exact for.
@@ -92,6 +81,7 @@ mod tests {
             angle: Vec3::ZERO,
             swept: Vec3::ZERO,
             velocity: Vec3::new(0.0, 0.0, -GRAVITY) * dt,
+            down: Vec3::new(0.0, 0.0, 1.0) * dt,
             dt,
         }
     }

@@ -77,6 +77,12 @@ pub struct Cascade {
     dirty: Dirty,
 }
 
+/// What a run would come to, short of torque and mixer.
+struct Ahead {
+    wanted: BodyRates,
+    rate_state: RateState,
+}
+
 impl Default for Cascade {
     fn default() -> Self {
         Self {
@@ -206,34 +212,52 @@ impl Cascade {
 
     /// The integrals take the motion up to here, which is all of one stretch.
     fn end_stretch(&mut self, so_far: &Increment) {
-        self.rate_state = self.rate_state_after(so_far);
+        let ahead = self.ahead(so_far, self.heading_error);
+        self.rate_state = ahead.rate_state;
         self.integrated = *so_far;
     }
 
-    fn rate_state_after(&self, so_far: &Increment) -> RateState {
+    /// What the states and the desired rates would come to after the motion up to here.
+    fn ahead(&self, so_far: &Increment, heading_error: Option<f32>) -> Ahead {
+        let correction = self.filter.correction(so_far, heading_error);
+        let attitude = self.filter.attitude_after(so_far, correction);
+        let wanted = self
+            .attitude_law
+            .wanted(attitude, self.setpoint.get())
+            .rates;
         let part = so_far.since(&self.integrated);
+        if part.dt <= 0.0 {
+            return Ahead {
+                wanted,
+                rate_state: self.rate_state,
+            };
+        }
+        // Evenly over the time since the last run.
+        let corrected = correction * (0.5 * part.dt * (1.0 + self.integrated.dt / so_far.dt));
+        let linear = self.newest.integrated(part.swept + corrected, part.dt);
+        let beside = wanted.0 - self.newest.after_turn(so_far.angle + correction).0;
         let stretch = RateStretch {
-            wanted: self.newest.integrated(part.swept, part.dt),
+            wanted: linear + beside * (part.dt * (1.0 / 3.0)),
             turned: part.angle,
             saturated: self.saturated,
         };
-        self.rate_law.after(&self.rate_state, &stretch)
+        Ahead {
+            wanted,
+            rate_state: self.rate_law.after(&self.rate_state, &stretch),
+        }
     }
 
     /// The command that a run would come to now: the very same estimator, laws and mixer.
     ///
     /// Advances nothing, but that a stretch ends where the motors begin or cease to saturate.
     pub fn foresee(&mut self, motion: &Motion, heading_error: Option<f32>) -> MotorShares {
-        let attitude = self.filter.attitude_after(&motion.sums, heading_error);
-        let wanted = self
-            .attitude_law
-            .wanted(attitude, self.setpoint.get())
-            .rates;
-        let state = self.rate_state_after(&motion.sums);
-        let torque = self.torque(&state, wanted, &motion.rotation);
+        self.heading_error = heading_error;
+        let Ahead { wanted, rate_state } = self.ahead(&motion.sums, heading_error);
+        let torque = self.torque(&rate_state, wanted, &motion.rotation);
         let mixed = self.mixer.mix(torque, self.setpoint.get().thrust);
         if mixed.saturated != self.saturated {
-            self.end_stretch(&motion.sums);
+            self.rate_state = rate_state;
+            self.integrated = motion.sums;
             self.saturated = mixed.saturated;
         }
         mixed.shares
@@ -309,6 +333,7 @@ mod tests {
             angle: Vec3::new(0.01, 0.0, 0.0),
             swept: Vec3::ZERO,
             velocity: Vec3::new(0.0, 0.0, -GRAVITY * 0.001),
+            down: Vec3::new(0.0, 0.0, 0.001),
             dt: 0.001,
         };
         graph.set_motion(&turning(0.2, motion), None);
