@@ -17,13 +17,16 @@ use core::f32::consts::TAU;
 pub struct Increment {
     /// Angle turned, in rad, body axes.
     pub angle: Vec3,
+    /// What turns about a changing axis add to that angle, in rad (Bortz 1971): rotations do not
+    /// commute.
+    pub coning: Vec3,
     /// That angle integrated over the time, in rad s: what a demand that falls with the angle
     /// has lost between the runs.
     pub swept: Vec3,
     /// Specific force integrated, in m/s, body axes.
     pub velocity: Vec3,
     /// Direction of down as the specific force shows it, integrated over the time that it can be
-    /// trusted, in s, body axes.
+    /// trusted, in s, in the body axes that the sums began with.
     ///
     /// Trust falls to zero as a sample's force leaves 1 g: in a manoeuvre it does not show the
     /// vertical. Judged by the mean force between two runs, vibration would pass for rest.
@@ -47,6 +50,7 @@ impl Increment {
     pub fn since(&self, earlier: &Self) -> Self {
         Self {
             angle: self.angle - earlier.angle,
+            coning: self.coning - earlier.coning,
             swept: self.swept - earlier.swept,
             velocity: self.velocity - earlier.velocity,
             down: self.down - earlier.down,
@@ -109,9 +113,11 @@ impl Arrival {
         self.force.step(sample.force.0, dt, ACCEL_CUTOFF);
         let turned = self.rates.second * dt;
         self.sum.swept += (self.sum.angle + turned * 0.5) * dt;
+        self.sum.coning += self.sum.angle.cross(turned) * 0.5;
         self.sum.angle += turned;
         self.sum.velocity += self.force.second * dt;
-        self.sum.down += trusted_down(self.force.second) * dt;
+        let down = trusted_down(self.force.second) * dt;
+        self.sum.down += down + self.sum.angle.cross(down);
         self.sum.dt += dt;
     }
 

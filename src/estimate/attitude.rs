@@ -53,7 +53,10 @@ impl AttitudeFilter {
         if motion.dt <= 0.0 {
             return self.attitude;
         }
-        in_small_turns(self.attitude, motion.angle + correction)
+        // First the correction, in the axes that the sums began with, then the motion.
+        let turn = motion.angle + motion.coning;
+        let turn = turn + correction + correction.cross(turn) * 0.5;
+        in_small_turns(self.attitude, turn)
     }
 }
 
@@ -79,6 +82,7 @@ mod tests {
     fn still(dt: f32) -> Increment {
         Increment {
             angle: Vec3::ZERO,
+            coning: Vec3::ZERO,
             swept: Vec3::ZERO,
             velocity: Vec3::new(0.0, 0.0, -GRAVITY) * dt,
             down: Vec3::new(0.0, 0.0, 1.0) * dt,

@@ -331,6 +331,7 @@ mod tests {
 
         let motion = Increment {
             angle: Vec3::new(0.01, 0.0, 0.0),
+            coning: Vec3::ZERO,
             swept: Vec3::ZERO,
             velocity: Vec3::new(0.0, 0.0, -GRAVITY * 0.001),
             down: Vec3::new(0.0, 0.0, 0.001),
