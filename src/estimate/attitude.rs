@@ -77,6 +77,7 @@ fn in_small_turns(attitude: Quaternion, turn: Vec3) -> Quaternion {
 mod tests {
     use super::*;
     use crate::math::wrapped;
+    use crate::sensors::GRAVITY;
     use proptest::prelude::*;
 
     fn still(dt: f32) -> Increment {
