@@ -23,6 +23,21 @@ pub trait StimulusSource: Send + Sync {
     /// Chips ask about 9000 times per second and in nearly rising order (the
     /// filters' pure delays differ), so it should be cheap.
     fn at(&self, at_ns: u64) -> Stimulus;
+
+    /// Angular rate alone, rad/s: of a chip's signals the one asked for most.
+    fn gyro(&self, at_ns: u64) -> [f64; 3] {
+        self.at(at_ns).gyro
+    }
+
+    /// Specific force alone, m/s2.
+    fn specific_force(&self, at_ns: u64) -> [f64; 3] {
+        self.at(at_ns).specific_force
+    }
+
+    /// Temperature alone, degrees Celsius.
+    fn temperature_c(&self, at_ns: u64) -> f64 {
+        self.at(at_ns).temperature_c
+    }
 }
 
 impl<F: Fn(u64) -> Stimulus + Send + Sync> StimulusSource for F {

@@ -6,7 +6,7 @@
 //! Magnetometer and motors are taken where they change, since such logs hold
 //! them between their own samples.
 
-use csv::{ReaderBuilder, StringRecord, Trim};
+use csv::{ReaderBuilder, StringRecord};
 
 use super::error::{Fault, Place, quoted};
 use super::recording::{LogFormat, MAX_MOTORS, Motors, Recorded, Recording, Sensor};
@@ -23,7 +23,6 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording, Fault> {
         .has_headers(false)
         .flexible(true)
         .quoting(false)
-        .trim(Trim::All)
         .from_reader(bytes);
     let mut row = StringRecord::new();
     if !next_row(&mut reader, &mut row)? {
@@ -76,7 +75,7 @@ struct Columns {
 impl Columns {
     /// Finds the columns by their names.
     fn of_header(header: &StringRecord) -> Result<Self, Fault> {
-        let names: Vec<String> = header.iter().map(str::to_owned).collect();
+        let names: Vec<String> = (header.iter()).map(|name| name.trim().to_owned()).collect();
         check_names(&names)?;
         let find = |name: &str| names.iter().position(|n| n == name);
         let group = |axes: [&str; 3]| -> Option<[usize; 3]> {
@@ -172,10 +171,15 @@ impl Row<'_> {
         Err(Fault::new(Place::Line(self.line), reason))
     }
 
+    /// A cell without the blanks around it; the reader's own trimming copies every row twice.
+    fn text(&self, column: usize) -> &str {
+        self.cells.get(column).unwrap_or_default().trim()
+    }
+
     /// The time stamp in ns.
     fn time_ns(&self) -> Result<i64, Fault> {
         let column = self.columns.time;
-        let text = self.cells.get(column).unwrap_or_default();
+        let text = self.text(column);
         text.parse::<i64>()
             .ok()
             .and_then(|us| us.checked_mul(1000))
@@ -190,7 +194,7 @@ impl Row<'_> {
 
     /// A cell as a number.
     fn number(&self, column: usize) -> Result<f64, Fault> {
-        let text = self.cells.get(column).unwrap_or_default();
+        let text = self.text(column);
         text.parse()
             .map_err(|_| self.fault(column, format!("{} is not a number", quoted(text))))
     }

@@ -48,8 +48,8 @@ fn locate(manifest: &Path) -> Result<PathBuf, Fault> {
 /// What cargo knows, asked in the ways that need no network first.
 fn metadata(manifest: &Path) -> Result<Metadata, Fault> {
     const WAYS: [&[&str]; 3] = [
-        &["--locked", "--offline"],
         &["--locked", "--offline", "--filter-platform", "host-tuple"],
+        &["--locked", "--offline"],
         &[],
     ];
     let mut reason = String::new();

@@ -92,6 +92,18 @@ impl StimulusSource for FlightStimulus {
             temperature_c: TEMPERATURE_C,
         }
     }
+
+    fn gyro(&self, at_ns: u64) -> [f64; 3] {
+        self.gyro.at(self.bench.log_time_ns(at_ns))
+    }
+
+    fn specific_force(&self, at_ns: u64) -> [f64; 3] {
+        self.accel.at(self.bench.log_time_ns(at_ns))
+    }
+
+    fn temperature_c(&self, _: u64) -> f64 {
+        TEMPERATURE_C
+    }
 }
 
 /// One sensor's signal and where it was read last.

@@ -100,14 +100,14 @@ impl Sampler {
 
     /// Temperature of the die at `at_ns`, degrees Celsius.
     pub fn temperature(&self, at_ns: u64) -> f64 {
-        self.source.at(at_ns).temperature_c
+        self.source.temperature_c(at_ns)
     }
 
     fn convert(&mut self, at_ns: u64, setup: &Setup) {
         if !self.present {
             return;
         }
-        let truth = self.source.at(at_ns).specific_force;
+        let truth = self.source.specific_force(at_ns);
         let force = truth.map(|axis| axis / STANDARD_GRAVITY);
         self.force = match setup.mode {
             Mode::HighResolution => self.low_pass.step(force),

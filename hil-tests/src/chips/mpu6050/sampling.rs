@@ -184,9 +184,9 @@ impl Sampler {
         }
         let truth = self
             .source
-            .at(at_ns.saturating_sub(self.gyro_channel.delay_ns));
+            .gyro(at_ns.saturating_sub(self.gyro_channel.delay_ns));
         let limit = FULL_SCALE_COUNTS / setup.gyro_counts;
-        let rate = truth.gyro.map(f64::to_degrees);
+        let rate = truth.map(f64::to_degrees);
         let sigma = GYRO_NOISE_DENSITY * (GYRO_RATE / 2.0).sqrt();
         let rate = self.gyro_noise.add(rate, sigma);
         let rate = rate.map(|axis| axis.clamp(-limit, limit));
@@ -199,9 +199,9 @@ impl Sampler {
         }
         let truth = self
             .source
-            .at(at_ns.saturating_sub(self.accel_channel.delay_ns));
+            .specific_force(at_ns.saturating_sub(self.accel_channel.delay_ns));
         let limit = FULL_SCALE_COUNTS / setup.accel_counts;
-        let force = truth.specific_force.map(|axis| axis / STANDARD_GRAVITY);
+        let force = truth.map(|axis| axis / STANDARD_GRAVITY);
         let sigma = ACCEL_NOISE_DENSITY * 500.0_f64.sqrt();
         let force = self.accel_noise.add(force, sigma);
         let force = force.map(|axis| axis.clamp(-limit, limit));
@@ -210,7 +210,7 @@ impl Sampler {
 
     /// Temperature of the die at `at_ns`, degrees Celsius.
     pub fn temperature(&self, at_ns: u64) -> f64 {
-        self.source.at(at_ns).temperature_c
+        self.source.temperature_c(at_ns)
     }
 
     /// When the next tick that is a multiple of `every` falls, in ns.
