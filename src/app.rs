@@ -11,20 +11,25 @@
 
 mod call;
 mod chips;
+mod hyperperiod;
 mod inputs;
 mod learners;
 mod learning;
+mod liveness;
+mod outcome;
 mod runs;
 mod schedule;
+mod setpoints;
 mod types;
 
 pub use call::{Call, CallRing, DecodeError, LONGEST_RECORD, RING_LENGTH, Ran, Recorder, Stamped};
+pub use outcome::Outcome;
 pub use types::{ChipOrder, Fault, Next, OrderError, Reason};
 
 use crate::estimate::{Arrival, GyroCalibration};
 use crate::graph::Cascade;
 use crate::link::ExternalPose;
-use crate::reactive::{Exploration, Supervisor};
+use crate::reactive::{Exploration, Limits, Supervisor};
 use crate::safety::{Arming, MotorGate};
 use crate::settings::Settings;
 use crate::telemetry::{Event, Events, Telemetry};
@@ -32,7 +37,9 @@ use crate::time::Instant;
 use crate::units::BodyRates;
 use chips::Chips;
 use learners::Learners;
+use liveness::Liveness;
 use schedule::Schedule;
+use setpoints::SetpointWatch;
 
 /// The whole flight software above the board.
 #[derive(Debug)]
@@ -47,7 +54,8 @@ pub struct Autopilot<R> {
     arrival: Arrival,
     heading: Heading,
     pose: Option<ExternalPose>,
-    setpoint_at: Option<Instant>,
+    setpoints: SetpointWatch,
+    liveness: Liveness,
 
     graph: Cascade,
     arming: Arming,
@@ -55,11 +63,13 @@ pub struct Autopilot<R> {
 
     learners: Learners,
     supervisor: Supervisor,
+    limits: Limits,
     exploration: Exploration,
     schedule: Schedule,
     chips: Chips,
 
     faults: [u32; Fault::COUNT],
+    outcomes: [u32; Outcome::COUNT],
     events: Events,
 }
 
@@ -86,16 +96,19 @@ impl<R: Recorder> Autopilot<R> {
             arrival: Arrival::default(),
             heading: Heading::default(),
             pose: None,
-            setpoint_at: None,
+            setpoints: SetpointWatch::default(),
+            liveness: Liveness::default(),
             graph: Cascade::default(),
             arming: Arming::default(),
             gate: MotorGate::default(),
             learners: Learners::new(&settings),
             supervisor: Supervisor::new(settings.policy, settings.warm_up),
+            limits: Limits::default(),
             exploration: Exploration::new(settings.seed),
             schedule: Schedule::new(&settings),
             chips: Chips::default(),
             faults: [0; Fault::COUNT],
+            outcomes: [0; Outcome::COUNT],
             events: Events::default(),
         }
     }
@@ -127,6 +140,12 @@ impl<R: Recorder> Autopilot<R> {
     #[must_use]
     pub fn faults(&self, fault: Fault) -> u32 {
         self.faults.get(fault as usize).copied().unwrap_or(0)
+    }
+
+    /// How often runs in reactive control turned out this way.
+    #[must_use]
+    pub fn outcomes(&self, outcome: Outcome) -> u32 {
+        self.outcomes.get(outcome as usize).copied().unwrap_or(0)
     }
 
     /// The oldest event that waits for the log.

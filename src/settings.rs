@@ -87,6 +87,8 @@ pub struct Settings {
     pub p_run: f32,
     /// How long control runs time-triggered to learn.
     pub warm_up: WarmUp,
+    /// Time between runs while learning; at every hyperperiod where it is not longer than one.
+    pub warm_up_period: Duration,
     /// The longest time between runs, longer than a hyperperiod, at most 1 s.
     pub failsafe: Duration,
     /// The change of a motor command that counts, as a share of full scale within (0, 0.5].
@@ -117,6 +119,8 @@ pub enum SettingsError {
     Period,
     /// A fixed warm-up is longer than `T_boot`.
     WarmUp,
+    /// Runs while learning are no time apart, or longer than 0.1 s.
+    WarmUpPeriod,
     /// Neither the gyroscope nor what is derived from it may trigger.
     Triggers,
 }
@@ -142,6 +146,7 @@ impl core::fmt::Display for SettingsError {
                 "a fixed warm-up must not be longer than {} s",
                 seconds(config::LONGEST_WARM_UP)
             ),
+            Self::WarmUpPeriod => f.write_str("the rate while learning must be 10 Hz or more"),
             Self::Triggers => f.write_str("at least one of gyro, turned and command must trigger"),
         }
     }
@@ -157,6 +162,9 @@ impl Default for Settings {
 
 /// The longest interval that the failsafe and a period may have.
 const SLOWEST: Duration = micros(1_000_000);
+
+/// The longest time between runs while learning: there is little to learn from fewer.
+const SLOWEST_WARM_UP: Duration = micros(100_000);
 
 impl Settings {
     /// Checks every range.
@@ -177,6 +185,9 @@ impl Settings {
             && length > config::LONGEST_WARM_UP
         {
             return Err(SettingsError::WarmUp);
+        }
+        if self.warm_up_period == micros(0) || self.warm_up_period > SLOWEST_WARM_UP {
+            return Err(SettingsError::WarmUpPeriod);
         }
         if self.failsafe <= shortest * 2 || self.failsafe > SLOWEST {
             return Err(SettingsError::Failsafe);

@@ -9,6 +9,7 @@ mod airframe;
 mod board;
 mod document;
 mod error;
+mod fallback;
 mod logic;
 mod range;
 mod reactive;
@@ -21,6 +22,7 @@ use serde::Deserialize;
 pub use airframe::{Airframe, Motor, Spin};
 pub use board::{Board, Calibration, Filters, Link, MotorProtocol, Motors, Sensors};
 pub use error::ConfigError;
+pub use fallback::Fallback;
 pub use logic::{Attitude, Cascade, Estimate, Rate};
 pub use reactive::{
     DerivedInput, Feedback, Input, Inputs, Learning, Pairs, Policy, Reactive, Reference, Runs,

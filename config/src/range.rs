@@ -43,6 +43,16 @@ ranges! {
     labels: u32 = |x| (1..=10_000).contains(&x), "1 to 10000";
     /// Control's rate in Hz.
     control_rate: f64 = |x| (1.0..=1000.0).contains(&x), "1 to 1000 Hz";
+    /// How often control runs to learn, in Hz.
+    warm_up_rate: f64 = |x| (10.0..=1000.0).contains(&x), "10 to 1000 Hz";
+    /// A window in which runs are judged, in s.
+    window: f64 = |x| (1.0..=60.0).contains(&x), "1 to 60 s";
+    /// Runs that a share is judged by.
+    fewest_runs: u32 = |x| (10..=10_000).contains(&x), "10 to 10000";
+    /// Rates of setpoints in rad/s that are aerobatics.
+    aerobatics: f64 = |x| x > 0.0 && x <= 40.0, "above 0 and at most 40 rad/s";
+    /// The longest fallback, in s.
+    longest_fallback: f64 = |x| (1.0..=600.0).contains(&x), "1 to 600 s";
     /// The longest time between runs, in s.
     failsafe: f64 = |x| x > 0.0 && x <= 1.0, "above 2 hyperperiods and at most 1 s";
     /// The longest warm-up, in s.

@@ -6,7 +6,10 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error, Visitor};
 
 use crate::document::Document;
-use crate::{Board, ConfigError, range};
+use crate::{Board, ConfigError, Fallback, range};
+
+/// The longest hyperperiod, in us: control at 50 Hz, the slowest that a quadrotor flies well with.
+const LONGEST_HYPERPERIOD_US: u64 = 20_000;
 
 /// The content of `reactive.toml`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -18,6 +21,8 @@ pub struct Reactive {
     pub warm_up: WarmUp,
     /// How models follow what they see.
     pub learning: Learning,
+    /// When reactive control is left.
+    pub fallback: Fallback,
     /// What the sensors may ask for.
     pub inputs: Inputs,
     /// What a continuous setpoint must move by to force a run.
@@ -72,6 +77,9 @@ pub enum Reference {
 pub struct WarmUp {
     /// How its end is decided.
     pub length: WarmUpLength,
+    /// How often control runs meanwhile, in Hz.
+    #[serde(deserialize_with = "range::warm_up_rate")]
+    pub rate_hz: f64,
     /// Which pairs of samples and commands become labels.
     pub pairs: Pairs,
     /// The least an automatic warm-up lasts, in s.
@@ -269,6 +277,7 @@ impl Reactive {
         {
             return Err(document.error_at(&["inputs"], "at least one must have gates = true"));
         }
+        self.check_hyperperiod(document, board)?;
         let shortest = 2e-6 * self.hyperperiod_us(board) as f64;
         if self.runs.failsafe_s <= shortest {
             let message = format!("must be above 2 hyperperiods, {shortest} s, and at most 1 s");
@@ -280,6 +289,28 @@ impl Reactive {
             return Err(document.error_at(&["runs", "periodic_rate_hz"], message));
         }
         Ok(())
+    }
+
+    /// Rates that have little in common make hyperperiods that no drone can wait for.
+    fn check_hyperperiod(&self, document: &Document, board: &Board) -> Result<(), ConfigError> {
+        let hyperperiod = self.hyperperiod_us(board);
+        if hyperperiod <= LONGEST_HYPERPERIOD_US {
+            return Ok(());
+        }
+        let gates = self.inputs.with_rates(board);
+        let gates = gates.iter().filter(|(_, input, _)| input.gates);
+        let slowest = gates.clone().min_by_key(|(_, _, rate)| *rate);
+        let rates: Vec<String> = gates
+            .map(|(name, _, rate)| format!("{name} {rate} Hz"))
+            .collect();
+        let message = format!(
+            "{} have a hyperperiod of {} ms, at most {} ms: let one trigger without gating",
+            rates.join(", "),
+            hyperperiod as f64 / 1e3,
+            LONGEST_HYPERPERIOD_US / 1000
+        );
+        let name = slowest.map_or("gyro", |(name, _, _)| name);
+        Err(document.error_at(&["inputs", name, "gates"], message))
     }
 
     /// Least common multiple of the gating inputs' periods, in us.

@@ -24,6 +24,13 @@ reactive.toml | periodic_rate_hz = 400 | periodic_rate_hz = 0 | runs.periodic_ra
 reactive.toml | quantum_steps = 255 | quantum_steps = 1 | runs.quantum_steps | 2 to 65535
 reactive.toml | length = "automatic" | length = 31 | warm_up.length | 0 to 30 s
 reactive.toml | shortest_s = 3 | shortest_s = -1 | warm_up.shortest_s | 0 to 30 s
+reactive.toml | rate_hz = 1000 | rate_hz = 5 | warm_up.rate_hz | 10 to 1000 Hz
+reactive.toml | window_s = 10 | window_s = 0 | fallback.window_s | 1 to 60 s
+reactive.toml | fewest_runs = 100 | fewest_runs = 1 | fallback.fewest_runs | 10 to 10000
+reactive.toml | false_positive_excess = 0.25 | false_positive_excess = 2 | fallback.false_positive_excess | 0 to 1
+reactive.toml | late_runs = 10 | late_runs = 0 | fallback.late_runs | 1 to 10000
+reactive.toml | aerobatics_rad_s = 30 | aerobatics_rad_s = nan | fallback.aerobatics_rad_s | at most 40 rad/s
+reactive.toml | longest_s = 60 | longest_s = 0 | fallback.longest_s | 1 to 600 s
 reactive.toml | longest_s = 30 | longest_s = 31 | warm_up.longest_s | at most 30 s
 reactive.toml | labels_of_each_class = 30 | labels_of_each_class = 0 | warm_up.labels_of_each_class | 1 to 10000
 reactive.toml | stable_change = 0.1 | stable_change = 0 | warm_up.stable_change | above 0
@@ -205,6 +212,29 @@ fn a_gate_is_needed_and_sets_the_hyperperiod() {
     assert_eq!(
         configuration.reactive.hyperperiod_us(&configuration.board),
         10_000
+    );
+}
+
+#[test]
+fn rates_with_little_in_common_are_refused_with_their_hyperperiod() {
+    let copied = Copied::new();
+    let board = copied.0.join("boards/reflex_f427.toml");
+    let text = fs::read_to_string(&board).unwrap();
+    let (fast, slow) = ("chip_accel_rate_hz = 100", "chip_accel_rate_hz = 10");
+    fs::write(&board, text.replace(fast, slow)).unwrap();
+    let gates =
+        "[inputs.chip_accel]     # LSM303AGR: compares in the chip, on its own clock\ngates = ";
+    let message = copied.error_with(
+        "reactive.toml",
+        &format!("{gates}false"),
+        &format!("{gates}true"),
+    );
+    assert!(
+        message.ends_with(
+            "inputs.chip_accel.gates: gyro 1000 Hz, accel 1000 Hz, chip_accel 10 Hz have a \
+             hyperperiod of 100 ms, at most 20 ms: let one trigger without gating"
+        ),
+        "{message:?}"
     );
 }
 

@@ -4,9 +4,10 @@
 //! and only tells of a change past its threshold. Orders go out one at a time per chip, are
 //! read back by the board, and are repeated while they fail.
 
+use super::hyperperiod::GATES;
 use super::{Autopilot, Call, ChipOrder, Fault, OrderError, Recorder};
 use crate::config::{CHIP_ACCEL, CHIP_ACCEL_RATE, CHIP_MAG};
-use crate::reactive::{Fit, Phase};
+use crate::reactive::{FallbackReason, Fit, Phase, PhaseEvent};
 use crate::sensors::{GRAVITY, Input, MAG_SCALE};
 use crate::settings::Reference;
 use crate::telemetry::Event;
@@ -85,7 +86,8 @@ enum Need {
 }
 
 impl Chip {
-    pub(super) fn on_sample(&mut self, at: Instant, counts: [i16; 3]) {
+    /// Takes a sample; true where it shows for the first time that the chip is stuck.
+    pub(super) fn on_sample(&mut self, at: Instant, counts: [i16; 3]) -> bool {
         self.seen = at;
         self.silence_told = false;
         self.repeats = if counts == self.counts {
@@ -94,6 +96,7 @@ impl Chip {
             0
         };
         self.counts = counts;
+        self.repeats == STUCK
     }
 
     /// True where the samples repeat bit by bit: no sensor is that still.
@@ -125,7 +128,11 @@ impl Chip {
     }
 
     fn on_done(&mut self, at: Instant, order: Done, result: Result<(), OrderError>) {
-        self.quiet_since = result.is_err().then_some(at);
+        // A chip that lost its registers, in a reset, is programmed anew at once; patience is for
+        // one that goes on failing.
+        let worked = self.programmed.is_some();
+        let lost = worked && matches!(result, Err(OrderError::ReadBack { .. }));
+        self.quiet_since = (result.is_err() && !lost).then_some(at);
         if result.is_ok() {
             self.seen = at;
         }
@@ -242,9 +249,19 @@ impl<R: Recorder> Autopilot<R> {
         let mag = silent(&mut self.chips.mag);
         if accel {
             self.count(Fault::AccelSilent);
+            self.on_chip_lost(Input::ChipAccel);
         }
         if mag {
             self.count(Fault::MagSilent);
+            self.on_chip_lost(Input::ChipMag);
+        }
+    }
+
+    /// A chip fell silent or repeats itself: what its model knew is missing from now on.
+    pub(super) fn on_chip_lost(&mut self, input: Input) {
+        let lesson = self.learners.lesson(input);
+        if lesson.triggers && lesson.decision.model().is_some() {
+            self.move_phase(PhaseEvent::Fail(FallbackReason::SensorLost));
         }
     }
 
@@ -254,11 +271,14 @@ impl<R: Recorder> Autopilot<R> {
         self.chips.mag.wanted = self.wanted(Input::ChipMag, mag_code);
     }
 
-    /// A chip compares only in reactive control, with a model, against the last run's sample.
+    /// A chip compares only in reactive control, with a model, against the last run's sample; one
+    /// that gates has every sample waited for.
     fn wanted(&self, input: Input, code: impl Fn(f32) -> Option<u16>) -> Mode {
         let compares = self.supervisor.phase() == Phase::Reactive
             && self.learners.lesson(input).triggers
             && self.settings.reference == Reference::LastRun
+            && !GATES.contains(input)
+            && self.chips.delivers(input)
             && matches!(self.fit(input), Fit::Model(_));
         if !compares {
             return Mode::DataReady;

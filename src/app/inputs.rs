@@ -1,13 +1,17 @@
 //! What comes in: samples of both chips, messages of the link.
 
+use super::hyperperiod::GATES;
+use super::liveness::Sign;
+use super::setpoints::{SetpointWatch, moved};
 use super::{Autopilot, Call, Fault, Heading, Next, Reason, Recorder};
-use crate::config::{SETPOINT_ANGLE_QUANTUM, SETPOINT_RATE_QUANTUM, SETPOINT_THRUST_QUANTUM};
+use crate::config::AEROBATICS;
 use crate::control::Setpoint;
 use crate::link::{Answer, ExternalPose, Message};
 use crate::math::{Vec3, atan2, wrapped};
 use crate::reactive::{FallbackReason, Phase, PhaseEvent};
 use crate::safety::{Arming, ArmingEvent, Refusal};
-use crate::sensors::{Cause, IMU_BURST_LENGTH, ImuSample, Input, chip_field, chip_force};
+use crate::sensors::{Cause, IMU_BURST_LENGTH, ImuSample, Input, Inputs, chip_field, chip_force};
+use crate::settings::Feedback;
 use crate::telemetry::Event;
 use crate::time::{Duration, Instant, micros, span};
 use crate::units::BodyRates;
@@ -40,24 +44,58 @@ impl<R: Recorder> Autopilot<R> {
             self.calibrate(&sample);
             return Next::Wait;
         };
-        let in_time = self.arrival.take(&ImuSample {
-            rates: BodyRates(sample.rates.0 - bias.0),
-            ..sample
-        });
-        if !in_time {
+        if self.is_alive(at, burst) {
+            self.take_sample(&ImuSample {
+                rates: BodyRates(sample.rates.0 - bias.0),
+                ..sample
+            });
+        }
+        self.end_hyperperiod(at, Inputs::NONE.with(Input::Gyro).with(Input::Accel))
+    }
+
+    /// False for a sensor that repeats itself; only in flight, where that is an emergency.
+    fn is_alive(&mut self, at: Instant, burst: &[u8; IMU_BURST_LENGTH]) -> bool {
+        let sign = self.liveness.take(at, burst, self.settings.failsafe * 2);
+        if self.arming != Arming::Armed || sign == Sign::Alive {
+            if self.supervisor.phase() == Phase::Fallback(FallbackReason::ImuLost) {
+                self.move_phase(PhaseEvent::ImuBack);
+            }
+            return true;
+        }
+        if sign == Sign::Stuck {
+            self.count(Fault::ImuStuck);
+        }
+        self.move_phase(PhaseEvent::Fail(FallbackReason::ImuLost));
+        false
+    }
+
+    /// Filters, sums and compares a sample.
+    fn take_sample(&mut self, sample: &ImuSample) {
+        if !self.arrival.take(sample) {
             self.count(Fault::ImuJump);
         }
-        if self.supervisor.phase() == Phase::Fallback(FallbackReason::ImuLost) {
-            self.move_phase(PhaseEvent::ImuBack);
-        }
-        self.compare_sample(at);
-        let exploration = &mut self.exploration;
+        self.compare_sample(sample.at);
+    }
+
+    /// Takes note of samples of gating inputs; says what the board does next.
+    fn end_hyperperiod(&mut self, at: Instant, inputs: Inputs) -> Next {
         let phase = self.supervisor.phase();
-        if self
-            .schedule
-            .end_of_hyperperiod(at, phase, || exploration.draw())
-        {
+        let exploration = &mut self.exploration;
+        let explores = self.settings.feedback == Feedback::Every;
+        let explore = || explores && exploration.draw();
+        if !self.schedule.deliver(at, inputs) {
+            self.next_if_asked()
+        } else if self.schedule.end_of_hyperperiod(at, phase, explore) {
             Next::Hyperperiod
+        } else {
+            Next::Wait
+        }
+    }
+
+    /// What was asked for runs at the hyperperiod's end, should its last sample not come.
+    fn next_if_asked(&self) -> Next {
+        if self.supervisor.phase() == Phase::Reactive && !self.schedule.asked().is_empty() {
+            Next::HyperperiodAt(self.schedule.timeout())
         } else {
             Next::Wait
         }
@@ -98,14 +136,20 @@ impl<R: Recorder> Autopilot<R> {
     /// A sample of the LSM303AGR's accelerometer; `at` is the stamp of its interrupt.
     pub fn on_chip_accel(&mut self, at: Instant, counts: [i16; 3], cause: Cause) -> Next {
         self.note(at, Call::ChipAccel(counts, cause));
-        self.chips.accel.on_sample(at, counts);
+        if self.chips.accel.on_sample(at, counts) {
+            self.count(Fault::AccelStuck);
+            self.on_chip_lost(Input::ChipAccel);
+        }
         self.on_chip_sample(at, Input::ChipAccel, chip_force(counts).0, cause)
     }
 
     /// A sample of the LSM303AGR's magnetometer, its OFFSET registers added back.
     pub fn on_chip_mag(&mut self, at: Instant, counts: [i16; 3], cause: Cause) -> Next {
         self.note(at, Call::ChipMag(counts, cause));
-        self.chips.mag.on_sample(at, counts);
+        if self.chips.mag.on_sample(at, counts) {
+            self.count(Fault::MagStuck);
+            self.on_chip_lost(Input::ChipMag);
+        }
         let field = chip_field(counts).0;
         if !self.chips.mag.is_stuck() {
             self.measure_heading(at, field);
@@ -123,17 +167,16 @@ impl<R: Recorder> Autopilot<R> {
         let learner = self.learners.of_axes(input);
         let crossed = learner.is_some_and(|learner| learner.calls(sample));
         // Where the chip compared, its comparison decides.
-        let asked = crossed || cause == Cause::Threshold;
-        if asked {
+        if crossed || cause == Cause::Threshold {
             self.schedule.ask(input);
         }
         if self.supervisor.is_learning() {
             self.learners.hold(at, input, self.gate.applied());
         }
-        if asked && self.supervisor.phase() == Phase::Reactive {
-            Next::HyperperiodAt(self.schedule.timeout())
+        if GATES.contains(input) {
+            self.end_hyperperiod(at, Inputs::NONE.with(input))
         } else {
-            Next::Wait
+            self.next_if_asked()
         }
     }
 
@@ -166,6 +209,10 @@ impl<R: Recorder> Autopilot<R> {
     /// A message of the link; the answer where it was a command.
     pub fn on_message(&mut self, at: Instant, message: &Message) -> (Next, Option<Answer>) {
         self.note(at, Call::Message(*message));
+        if !message.is_finite() {
+            self.count(Fault::NotFinite);
+            return (Next::Wait, None);
+        }
         match message {
             Message::Heartbeat => (Next::Wait, None),
             Message::Setpoint(setpoint) => {
@@ -182,7 +229,11 @@ impl<R: Recorder> Autopilot<R> {
 
     /// A setpoint joins: the next run uses it. It forces a run once it moved past its quantum.
     fn on_setpoint(&mut self, at: Instant, setpoint: &Setpoint) {
-        let first = self.setpoint_at.replace(at).is_none();
+        let first = self.setpoints.at.is_none();
+        let turning = self.setpoints.take(at, self.graph.setpoint(), setpoint);
+        if turning > AEROBATICS {
+            self.move_phase(PhaseEvent::Fail(FallbackReason::Aerobatics));
+        }
         self.graph
             .set_setpoint(*setpoint, &self.arrival.motion().sums);
         if first || moved(self.learners.setpoint_of_last_run(), setpoint) {
@@ -235,7 +286,7 @@ impl<R: Recorder> Autopilot<R> {
                 // The next flight shall not begin with the thrust that this one ended with.
                 self.graph
                     .set_setpoint(Setpoint::default(), &self.arrival.motion().sums);
-                self.setpoint_at = None;
+                self.setpoints = SetpointWatch::default();
                 PhaseEvent::Disarmed
             }
         };
@@ -254,17 +305,4 @@ impl<R: Recorder> Autopilot<R> {
         }
         self.pose = Some(*pose);
     }
-}
-
-/// True where a setpoint differs from another by its own quantum or more.
-fn moved(from: &Setpoint, to: &Setpoint) -> bool {
-    let turned = match (from.attitude, to.attitude) {
-        (Some(from), Some(to)) => from.error_to(to).max_norm() >= SETPOINT_ANGLE_QUANTUM,
-        (None, None) => false,
-        _ => true,
-    };
-    turned
-        || from.yaw != to.yaw
-        || (to.rates.0 - from.rates.0).max_norm() >= SETPOINT_RATE_QUANTUM
-        || (to.thrust.share() - from.thrust.share()).abs() >= SETPOINT_THRUST_QUANTUM
 }

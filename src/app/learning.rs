@@ -1,8 +1,9 @@
 //! Learning: labels from runs and shadow holds, refits, and what they change.
 
-use super::{Autopilot, Call, Reason, Recorder};
+use super::outcome::Outcome;
+use super::{Autopilot, Call, Fault, Reason, Recorder};
 use crate::config::{FORGETTING, REFIT_INTERVAL};
-use crate::reactive::{Exploration, Fit, Phase, Refit, RefitJob};
+use crate::reactive::{Fit, Phase, Refit, RefitJob};
 use crate::sensors::{Input, Inputs};
 use crate::telemetry::Event;
 use crate::time::{Instant, seconds, span};
@@ -10,32 +11,32 @@ use crate::time::{Instant, seconds, span};
 impl<R: Recorder> Autopilot<R> {
     /// What a run taught: `changed` says whether it moved the command by a quantum.
     pub(super) fn learn(&mut self, now: Instant, reason: Reason, asked: Inputs, changed: bool) {
+        if matches!(reason, Reason::WarmUp | Reason::Fallback) {
+            self.learners.hold_run(now, self.gate.applied());
+        }
+        if self.supervisor.phase() != Phase::Reactive {
+            return;
+        }
+        let Some(outcome) = Outcome::of(reason, asked, changed) else {
+            return;
+        };
+        if let Some(count) = self.outcomes.get_mut(outcome as usize) {
+            *count = count.saturating_add(1);
+        }
         match reason {
-            Reason::WarmUp | Reason::Fallback => {
-                self.learners.hold_run(now, self.gate.applied());
-            }
-            // Runs that several inputs asked for teach nothing: whose change was it?
-            Reason::Trigger => {
-                if let Some(input) = asked.sole() {
-                    self.label(input, changed, 1.0);
-                }
-            }
-            Reason::Failsafe if self.supervisor.phase() == Phase::Reactive => {
-                self.label_all(changed, 1.0);
-            }
-            Reason::Exploration => self.label_all(changed, Exploration::WEIGHT),
-            Reason::Failsafe | Reason::Setpoint | Reason::Periodic | Reason::Ground => {}
+            Reason::Trigger => self.limits.triggered(now, changed),
+            Reason::Failsafe => self.limits.failsafe(now, changed),
+            _ => {}
         }
-    }
-
-    fn label_all(&mut self, changed: bool, weight: f32) {
+        let Some(teaching) = outcome.teaches(self.settings.feedback, asked) else {
+            return;
+        };
         for input in Input::ALL {
-            self.label(input, changed, weight);
+            if teaching.inputs.contains(input) {
+                let lesson = self.learners.lesson_mut(input);
+                lesson.label(teaching.changed, teaching.weight);
+            }
         }
-    }
-
-    fn label(&mut self, input: Input, changed: bool, weight: f32) {
-        self.learners.lesson_mut(input).label(changed, weight);
     }
 
     /// The labels of an input whose refit is due, copied: to be fitted in idle, without a lock.
@@ -58,6 +59,15 @@ impl<R: Recorder> Autopilot<R> {
     /// Swaps a fit in, forgets a little, and judges whether the phase ends.
     pub fn on_refit(&mut self, now: Instant, refit: Refit) {
         self.note(now, Call::Refit(refit));
+        let refit = if refit.fit.is_usable() {
+            refit
+        } else {
+            self.count(Fault::NotFinite);
+            Refit {
+                fit: Fit::Unfit,
+                ..refit
+            }
+        };
         let lesson = self.learners.lesson_mut(refit.input);
         lesson.refitted = now;
         lesson.swap(refit.fit);

@@ -1,5 +1,6 @@
 //! Runs: the graph propagates, the gate passes, what happened becomes labels.
 
+use super::setpoints::SetpointWatch;
 use super::{Autopilot, Call, Fault, Ran, Reason, Recorder};
 use crate::config::SETPOINT_TIMEOUT;
 use crate::control::Setpoint;
@@ -15,6 +16,10 @@ impl<R: Recorder> Autopilot<R> {
     /// The output must be written to the motors at once.
     pub fn on_hyperperiod(&mut self, now: Instant) -> Option<MotorOutput> {
         self.note(now, Call::Hyperperiod);
+        if self.schedule.is_late(now) {
+            self.count(Fault::LateRun);
+            self.limits.late(now);
+        }
         let reason = self.schedule.take_due(now, self.supervisor.phase())?;
         Some(self.run(now, reason))
     }
@@ -44,7 +49,7 @@ impl<R: Recorder> Autopilot<R> {
         }
         self.count(Fault::ImuSilent);
         self.move_arming(ArmingEvent::ImuLost);
-        self.move_phase(PhaseEvent::ImuLost);
+        self.move_phase(PhaseEvent::Fail(FallbackReason::ImuLost));
         if self.arming == Arming::Calibrating {
             self.bias = None;
             self.calibration = GyroCalibration::default();
@@ -54,7 +59,13 @@ impl<R: Recorder> Autopilot<R> {
     pub(super) fn move_phase(&mut self, event: PhaseEvent) {
         if let Some(phase) = self.supervisor.on(event, self.clock) {
             self.events.push(Event::Phase(phase));
+            if let Phase::Fallback(reason) = phase
+                && reason.refutes_models()
+            {
+                self.learners.restart();
+            }
             self.learners.restart_holds();
+            self.limits.restart();
             self.chips.retry();
             self.want_thresholds();
         }
@@ -86,6 +97,9 @@ impl<R: Recorder> Autopilot<R> {
         // a setpoint that moved may have changed it whatever they said.
         if motion.sums.dt > 0.0 && !self.schedule.is_asked_by_setpoint() {
             self.learn(now, reason, asked, changed);
+        }
+        if let Some(reason) = self.limits.passed(self.settings.p_run) {
+            self.move_phase(PhaseEvent::Fail(reason));
         }
         self.schedule.on_run(now);
         self.learners.on_run(
@@ -119,10 +133,11 @@ impl<R: Recorder> Autopilot<R> {
     /// A peer that fell silent must not keep the drone leaning: level, heading free.
     fn check_setpoint(&mut self, now: Instant) {
         if self
-            .setpoint_at
+            .setpoints
+            .at
             .is_some_and(|at| span(at, now) > SETPOINT_TIMEOUT)
         {
-            self.setpoint_at = None;
+            self.setpoints = SetpointWatch::default();
             let thrust = self.graph.setpoint().thrust;
             self.graph
                 .set_setpoint(Setpoint::level(thrust), &self.arrival.motion().sums);

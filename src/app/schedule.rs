@@ -1,6 +1,7 @@
 //! When control runs: hyperperiods, what was asked for, the failsafe.
 
 use super::Reason;
+use super::hyperperiod::Hyperperiod;
 use crate::config::HYPERPERIOD;
 use crate::reactive::Phase;
 use crate::sensors::{Input, Inputs};
@@ -14,7 +15,8 @@ const WAKING: Duration = micros(1_000_000);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Schedule {
     failsafe: Duration,
-    period: Option<Duration>,
+    /// Time between runs where they are time-triggered.
+    period: Duration,
     last_run: Instant,
     last_gate: Option<Instant>,
     /// The gating sensor's silence was noticed and lasts.
@@ -24,6 +26,8 @@ pub(super) struct Schedule {
     asked: Inputs,
     setpoint_asked: bool,
     pending: Option<Reason>,
+    pending_since: Instant,
+    hyperperiod: Hyperperiod,
     runs: u32,
 }
 
@@ -32,8 +36,8 @@ impl Schedule {
         Self {
             failsafe: settings.failsafe,
             period: match settings.policy {
-                Policy::Reactive => None,
-                Policy::Periodic(period) => Some(period),
+                Policy::Reactive => settings.warm_up_period,
+                Policy::Periodic(period) => period,
             },
             last_run: Instant::from_ticks(0),
             last_gate: None,
@@ -42,6 +46,8 @@ impl Schedule {
             asked: Inputs::NONE,
             setpoint_asked: false,
             pending: None,
+            pending_since: Instant::from_ticks(0),
+            hyperperiod: Hyperperiod::default(),
             runs: 0,
         }
     }
@@ -74,13 +80,18 @@ impl Schedule {
         self.runs
     }
 
-    /// A gating sample arrived.
+    /// The gating sensor delivered a sample.
     pub(super) fn gate(&mut self, at: Instant) {
         self.last_gate = Some(at);
         self.silent = false;
     }
 
-    /// The last gating input of a hyperperiod arrived: is a run due?
+    /// Takes note of samples of gating inputs; true where they end the hyperperiod.
+    pub(super) fn deliver(&mut self, at: Instant, inputs: Inputs) -> bool {
+        self.hyperperiod.deliver(at, inputs)
+    }
+
+    /// A hyperperiod ended: is a run due?
     pub(super) fn end_of_hyperperiod(
         &mut self,
         at: Instant,
@@ -89,15 +100,18 @@ impl Schedule {
     ) -> bool {
         let reason = match phase {
             Phase::Ground => Some(Reason::Ground),
-            Phase::WarmUp => Some(Reason::WarmUp),
-            Phase::Fallback(_) => Some(Reason::Fallback),
+            Phase::WarmUp => self.is_period_over(at).then_some(Reason::WarmUp),
+            Phase::Fallback(_) => self.is_period_over(at).then_some(Reason::Fallback),
             Phase::Periodic => self.is_period_over(at).then_some(Reason::Periodic),
             Phase::Reactive => self
                 .asked_reason()
                 .or_else(|| explore().then_some(Reason::Exploration)),
         };
         // A run that is due and did not happen yet stays due.
-        self.pending = self.pending.or(reason);
+        if self.pending.is_none() {
+            self.pending = reason;
+            self.pending_since = at;
+        }
         self.pending.is_some()
     }
 
@@ -110,9 +124,7 @@ impl Schedule {
     }
 
     fn is_period_over(&mut self, at: Instant) -> bool {
-        let Some(period) = self.period else {
-            return false;
-        };
+        let period = self.period;
         // A period of one hyperperiod or less means every one, however long it really is.
         if period <= HYPERPERIOD {
             return true;
@@ -126,17 +138,24 @@ impl Schedule {
         true
     }
 
-    /// When a hyperperiod that saw no gating sample ends: 1.5 periods after the last one.
+    /// When the hyperperiod ends should a gating sample be missing.
     pub(super) fn timeout(&self) -> Instant {
-        self.last_gate.unwrap_or(self.last_run) + HYPERPERIOD * 3 / 2
+        self.hyperperiod.timeout(self.last_run)
     }
 
     /// The reason of the run that is due at the end of a hyperperiod, if one is.
     pub(super) fn take_due(&mut self, now: Instant, phase: Phase) -> Option<Reason> {
-        let timed_out = phase == Phase::Reactive && now >= self.timeout();
-        self.pending
-            .take()
-            .or_else(|| self.asked_reason().filter(|_| timed_out))
+        let cut_off = phase == Phase::Reactive && self.hyperperiod.is_over(now);
+        let due = self.pending.take();
+        if due.is_none() && cut_off {
+            self.hyperperiod.end(now);
+        }
+        due.or_else(|| self.asked_reason().filter(|_| cut_off))
+    }
+
+    /// True where a run is due since a hyperperiod or longer.
+    pub(super) fn is_late(&self, now: Instant) -> bool {
+        self.pending.is_some() && span(self.pending_since, now) >= HYPERPERIOD
     }
 
     /// When the failsafe run is due.

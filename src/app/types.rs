@@ -39,6 +39,8 @@ macro_rules! numbered {
     };
 }
 
+pub(super) use numbered;
+
 numbered! {
     /// Why control ran.
     Reason {
@@ -76,12 +78,22 @@ numbered! {
         ImuConfiguration,
         /// No MPU6050 sample for two failsafe periods.
         ImuSilent,
+        /// The MPU6050 repeated one sample, bit by bit, for two failsafe periods.
+        ImuStuck,
+        /// A run began a hyperperiod or more after it was due.
+        LateRun,
         /// An order to the LSM303AGR failed, on the bus or at the read-back.
         ChipBus,
         /// The LSM303AGR's accelerometer did not answer for two failsafe periods.
         AccelSilent,
         /// The LSM303AGR's magnetometer did not answer for two failsafe periods.
         MagSilent,
+        /// The LSM303AGR's accelerometer repeats one sample, bit by bit.
+        AccelStuck,
+        /// The LSM303AGR's magnetometer repeats one sample, bit by bit.
+        MagStuck,
+        /// A setpoint, a pose or a model with a value that is not finite: not used.
+        NotFinite,
         /// The control logic came to a command that is not finite: the applied one stayed.
         Command,
         /// The link's ring was overtaken: bytes were lost.

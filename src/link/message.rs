@@ -28,6 +28,18 @@ pub enum Message {
     Pose(ExternalPose),
 }
 
+impl Message {
+    /// False where some value is no number; quaternions and thrusts always are.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        match self {
+            Self::Heartbeat | Self::Arm(_) => true,
+            Self::Setpoint(setpoint) => setpoint.rates.is_finite(),
+            Self::Pose(pose) => pose.position.is_finite() && pose.velocity.is_finite(),
+        }
+    }
+}
+
 /// The answer to an arm or disarm command (MAV_RESULT in COMMAND_ACK).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]

@@ -26,6 +26,17 @@ pub enum Fit {
     Model(Logistic),
 }
 
+impl Fit {
+    /// False for a model that is no model: coefficients that are not finite, or do not rise.
+    #[must_use]
+    pub fn is_usable(&self) -> bool {
+        match self {
+            Self::Unfit | Self::Irrelevant => true,
+            Self::Model(model) => model.b1.is_finite() && model.b2.is_finite() && model.b2 > 0.0,
+        }
+    }
+}
+
 /// Labels to fit, copied out of the autopilot under one short lock.
 #[derive(Clone, Copy, Debug)]
 pub struct RefitJob {

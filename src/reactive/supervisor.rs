@@ -1,8 +1,12 @@
 //! The supervisor: how control is run, as a table of (phase, event).
+//!
+//! Whatever goes wrong leads to time-triggered control, which learns, and from there back. A
+//! fallback lasts a while, and longer each time it follows soon on the one before: it cannot
+//! chatter.
 
-use crate::config::{LONGEST_WARM_UP, SHORTEST_WARM_UP};
+use crate::config::{LONGEST_FALLBACK, LONGEST_WARM_UP, SHORTEST_WARM_UP};
 use crate::settings::{Policy, WarmUp};
-use crate::time::{Instant, span};
+use crate::time::{Duration, Instant, span};
 
 /// How control runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,7 +14,7 @@ use crate::time::{Instant, span};
 pub enum Phase {
     /// Motors stopped: control runs at every gating sample, nothing is learned.
     Ground,
-    /// In the air, time-triggered at every gating sample, learning.
+    /// In the air, time-triggered, learning.
     WarmUp,
     /// Control runs when a change calls for it.
     Reactive,
@@ -24,10 +28,39 @@ pub enum Phase {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum FallbackReason {
-    /// No model of the gyroscope could be fitted.
+    /// The leading input has no model.
     Unfit,
-    /// The gating sensor fell silent.
+    /// Triggered runs change nothing more often than the models promise.
+    FalsePositives,
+    /// Failsafe runs change the command more often than the models promise.
+    Missed,
+    /// Setpoints turn faster than the models were learned at.
+    Aerobatics,
+    /// Runs begin a hyperperiod or more late.
+    Overrun,
+    /// A chip whose model triggers fell silent, or repeats itself.
+    SensorLost,
+    /// The gating sensor fell silent, or repeats itself.
     ImuLost,
+}
+
+impl FallbackReason {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::Unfit,
+        Self::FalsePositives,
+        Self::Missed,
+        Self::Aerobatics,
+        Self::Overrun,
+        Self::SensorLost,
+        Self::ImuLost,
+    ];
+
+    /// True where what was learned is wrong here, so that learning begins from scratch.
+    #[must_use]
+    pub fn refutes_models(self) -> bool {
+        matches!(self, Self::FalsePositives | Self::Missed)
+    }
 }
 
 /// What moves the supervisor.
@@ -37,16 +70,12 @@ pub enum PhaseEvent {
     Armed,
     /// Motors are stopped.
     Disarmed,
-    /// Every relevant model is fitted and stable.
+    /// Every relevant model is fitted and stable, or learning took its longest with a model.
     Learned,
-    /// Learning took its longest; the gyroscope has a model.
-    TimedOutFitted,
-    /// Learning took its longest; the gyroscope has none.
-    TimedOutUnfit,
-    /// The gyroscope's model was lost.
-    Unfit,
-    /// The gating sensor fell silent.
-    ImuLost,
+    /// Learning took its longest; the leading input has no model.
+    TimedOut,
+    /// Something is wrong.
+    Fail(FallbackReason),
     /// The gating sensor is back.
     ImuBack,
 }
@@ -62,16 +91,14 @@ impl Phase {
                 Policy::Reactive => Self::WarmUp,
                 Policy::Periodic(_) => Self::Periodic,
             },
-            (Self::WarmUp, PhaseEvent::Learned | PhaseEvent::TimedOutFitted)
-            | (Self::Fallback(Unfit), PhaseEvent::Learned) => Self::Reactive,
-            (Self::WarmUp, PhaseEvent::TimedOutUnfit) | (Self::Reactive, PhaseEvent::Unfit) => {
-                Self::Fallback(Unfit)
-            }
-            (Self::WarmUp | Self::Reactive | Self::Fallback(Unfit), PhaseEvent::ImuLost) => {
-                Self::Fallback(ImuLost)
-            }
+            (Self::Ground | Self::Periodic, _) => self,
             (Self::Fallback(ImuLost), PhaseEvent::ImuBack) => Self::WarmUp,
-            (phase, _) => phase,
+            (Self::Fallback(ImuLost), _) => self,
+            (_, PhaseEvent::Fail(ImuLost)) => Self::Fallback(ImuLost),
+            (Self::Reactive, PhaseEvent::Fail(reason)) => Self::Fallback(reason),
+            (Self::WarmUp | Self::Fallback(_), PhaseEvent::Learned) => Self::Reactive,
+            (Self::WarmUp, PhaseEvent::TimedOut) => Self::Fallback(Unfit),
+            _ => self,
         }
     }
 }
@@ -83,6 +110,8 @@ pub struct Supervisor {
     since: Instant,
     policy: Policy,
     warm_up: WarmUp,
+    /// Fallbacks in a row, each soon after the one before.
+    relapses: u8,
 }
 
 impl Supervisor {
@@ -94,6 +123,7 @@ impl Supervisor {
             since: Instant::from_ticks(0),
             policy,
             warm_up,
+            relapses: 0,
         }
     }
 
@@ -106,17 +136,32 @@ impl Supervisor {
     /// True while labels come from shadow holds.
     #[must_use]
     pub fn is_learning(&self) -> bool {
-        matches!(
-            self.phase,
-            Phase::WarmUp | Phase::Fallback(FallbackReason::Unfit)
-        )
+        match self.phase {
+            Phase::WarmUp => true,
+            Phase::Fallback(reason) => reason != FallbackReason::ImuLost,
+            Phase::Ground | Phase::Reactive | Phase::Periodic => false,
+        }
     }
 
     /// Moves; the new phase where it differs.
     pub fn on(&mut self, event: PhaseEvent, now: Instant) -> Option<Phase> {
         let phase = self.phase.after(event, self.policy);
         if phase == self.phase {
+            // What lasts is not over: the way back begins with its end.
+            if let (Phase::Fallback(reason), PhaseEvent::Fail(again)) = (phase, event)
+                && reason == again
+            {
+                self.since = now;
+            }
             return None;
+        }
+        if matches!((self.phase, phase), (Phase::Reactive, Phase::Fallback(_))) {
+            let soon = span(self.since, now) < LONGEST_FALLBACK;
+            self.relapses = if soon {
+                self.relapses.saturating_add(1)
+            } else {
+                0
+            };
         }
         self.phase = phase;
         self.since = now;
@@ -125,7 +170,7 @@ impl Supervisor {
 
     /// What the models' state means now: called after every refit.
     ///
-    /// `learned`: every relevant model is stable. `fitted`: the gyroscope has a model.
+    /// `learned`: every relevant model is stable. `fitted`: the leading input has a model.
     #[must_use]
     pub fn judge(&self, learned: bool, fitted: bool, now: Instant) -> Option<PhaseEvent> {
         let age = span(self.since, now);
@@ -134,118 +179,28 @@ impl Supervisor {
             WarmUp::Fixed(length) => (length, length),
         };
         match self.phase {
-            // However long it took: a model is all that was missing.
-            Phase::Fallback(FallbackReason::Unfit) => {
+            Phase::Fallback(FallbackReason::ImuLost) => None,
+            // However long it took: a model is all that is needed.
+            Phase::Fallback(_) => {
                 let ready = age >= earliest && learned || age >= latest && fitted;
+                (ready && age >= self.shortest_fallback()).then_some(PhaseEvent::Learned)
+            }
+            Phase::WarmUp if age >= latest && !fitted => Some(PhaseEvent::TimedOut),
+            Phase::WarmUp => {
+                let ready = age >= earliest && learned || age >= latest;
                 ready.then_some(PhaseEvent::Learned)
             }
-            Phase::WarmUp => {
-                if age >= latest && !fitted {
-                    Some(PhaseEvent::TimedOutUnfit)
-                } else if age >= latest {
-                    Some(PhaseEvent::TimedOutFitted)
-                } else if age >= earliest && learned {
-                    Some(PhaseEvent::Learned)
-                } else {
-                    None
-                }
-            }
-            Phase::Reactive if !fitted => Some(PhaseEvent::Unfit),
-            _ => None,
+            Phase::Reactive if !fitted => Some(PhaseEvent::Fail(FallbackReason::Unfit)),
+            Phase::Reactive | Phase::Ground | Phase::Periodic => None,
         }
+    }
+
+    /// Twice as long with each fallback that came soon after the one before.
+    fn shortest_fallback(&self) -> Duration {
+        let doubled = SHORTEST_WARM_UP * (1 << self.relapses.min(10));
+        doubled.min(LONGEST_FALLBACK)
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::time::{at_micros, micros};
-
-    const PHASES: [Phase; 6] = [
-        Phase::Ground,
-        Phase::WarmUp,
-        Phase::Reactive,
-        Phase::Fallback(FallbackReason::Unfit),
-        Phase::Fallback(FallbackReason::ImuLost),
-        Phase::Periodic,
-    ];
-
-    #[test]
-    fn every_pair_of_phase_and_event_leads_where_the_table_says() {
-        use PhaseEvent::{
-            Armed, Disarmed, ImuBack, ImuLost, Learned, TimedOutFitted, TimedOutUnfit, Unfit,
-        };
-        // Columns: Ground, WarmUp, Reactive, Fallback(Unfit), Fallback(ImuLost), Periodic.
-        let table = [
-            (Armed, ["W", "W", "R", "FU", "FI", "P"]),
-            (Disarmed, ["G", "G", "G", "G", "G", "G"]),
-            (Learned, ["G", "R", "R", "R", "FI", "P"]),
-            (TimedOutFitted, ["G", "R", "R", "FU", "FI", "P"]),
-            (TimedOutUnfit, ["G", "FU", "R", "FU", "FI", "P"]),
-            (Unfit, ["G", "W", "FU", "FU", "FI", "P"]),
-            (ImuLost, ["G", "FI", "FI", "FI", "FI", "P"]),
-            (ImuBack, ["G", "W", "R", "FU", "W", "P"]),
-        ];
-        let short = |phase| match phase {
-            Phase::Ground => "G",
-            Phase::WarmUp => "W",
-            Phase::Reactive => "R",
-            Phase::Fallback(FallbackReason::Unfit) => "FU",
-            Phase::Fallback(FallbackReason::ImuLost) => "FI",
-            Phase::Periodic => "P",
-        };
-        for (event, row) in table {
-            let after = PHASES.map(|phase| short(phase.after(event, Policy::Reactive)));
-            assert_eq!(after, row, "{event:?}");
-        }
-    }
-
-    #[test]
-    fn warm_up_lasts_from_its_shortest_to_its_longest() {
-        let mut supervisor = Supervisor::new(Policy::Reactive, WarmUp::Automatic);
-        supervisor.on(PhaseEvent::Armed, at_micros(0));
-        let just_before = at_micros(SHORTEST_WARM_UP.ticks() - 1);
-        assert_eq!(supervisor.judge(true, true, just_before), None);
-        let after = at_micros(SHORTEST_WARM_UP.ticks());
-        assert_eq!(
-            supervisor.judge(true, true, after),
-            Some(PhaseEvent::Learned)
-        );
-        assert_eq!(supervisor.judge(false, true, after), None);
-        let longest = at_micros(LONGEST_WARM_UP.ticks());
-        assert_eq!(
-            supervisor.judge(false, false, longest),
-            Some(PhaseEvent::TimedOutUnfit)
-        );
-    }
-
-    #[test]
-    fn a_fallback_for_want_of_a_model_ends_when_there_is_one_however_late() {
-        let fixed = WarmUp::Fixed(micros(1_000_000));
-        for warm_up in [WarmUp::Automatic, fixed] {
-            let mut supervisor = Supervisor::new(Policy::Reactive, warm_up);
-            supervisor.on(PhaseEvent::Armed, at_micros(0));
-            supervisor.on(PhaseEvent::TimedOutUnfit, at_micros(0));
-            let late = at_micros(LONGEST_WARM_UP.ticks() * 10);
-            assert_eq!(supervisor.judge(false, false, late), None);
-            let event = supervisor.judge(false, true, late);
-            assert_eq!(event, Some(PhaseEvent::Learned));
-            assert_eq!(
-                supervisor.on(PhaseEvent::Learned, late),
-                Some(Phase::Reactive)
-            );
-        }
-    }
-
-    #[test]
-    fn a_fixed_warm_up_ends_when_it_says() {
-        let length = micros(5_000_000);
-        let mut supervisor = Supervisor::new(Policy::Reactive, WarmUp::Fixed(length));
-        supervisor.on(PhaseEvent::Armed, at_micros(0));
-        assert_eq!(supervisor.judge(true, true, at_micros(4_999_999)), None);
-        assert_eq!(
-            supervisor.judge(false, true, at_micros(5_000_000)),
-            Some(PhaseEvent::TimedOutFitted)
-        );
-    }
-}
+mod tests;

@@ -8,11 +8,11 @@ use crate::sensors::Inputs;
 use crate::time::micros;
 
 const MAGIC: [u8; 4] = *b"RFLX";
-const VERSION: u16 = 2;
+const VERSION: u16 = 3;
 const CHECKSUM: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
 /// Length of the whole block in bytes.
-pub const BLOCK_LENGTH: usize = 44;
+pub const BLOCK_LENGTH: usize = 48;
 
 /// Why a block is not settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,6 +66,7 @@ impl Settings {
         writer.put(period.to_le_bytes());
         writer.put(self.p_run.to_le_bytes());
         writer.put(length.to_le_bytes());
+        writer.put((self.warm_up_period.ticks() as u32).to_le_bytes());
         writer.put((self.failsafe.ticks() as u32).to_le_bytes());
         writer.put(self.quantum.to_le_bytes());
         writer.put(self.seed.to_le_bytes());
@@ -149,6 +150,7 @@ impl Reader<'_> {
         let period = u32::from_le_bytes(self.take());
         let p_run = f32::from_le_bytes(self.take());
         let length = u32::from_le_bytes(self.take());
+        let warm_up_period = u32::from_le_bytes(self.take());
         let failsafe = u32::from_le_bytes(self.take());
         let quantum = f32::from_le_bytes(self.take());
         let seed = u32::from_le_bytes(self.take());
@@ -170,6 +172,7 @@ impl Reader<'_> {
                 1 => WarmUp::Fixed(micros(u64::from(length))),
                 _ => return None,
             },
+            warm_up_period: micros(u64::from(warm_up_period)),
             failsafe: micros(u64::from(failsafe)),
             quantum,
             motors: match motors {
@@ -228,13 +231,14 @@ mod tests {
             p_run in 0.01f32..0.99, failsafe in 3_000u64..1_000_000, quantum in 0.001f32..0.5,
             seed: u32, period in prop::option::of(1_000u64..1_000_000),
             warm_up in prop::option::of(0u64..30_000_000), previous: bool, pwm: bool,
-            triggers in 0u8..64, published: bool,
+            warm_up_period in 1u64..100_000, triggers in 0u8..64, published: bool,
         ) {
             let settings = Settings {
                 policy: period.map_or(Policy::Reactive, |period| Policy::Periodic(micros(period))),
                 reference: if previous { Reference::PreviousSample } else { Reference::LastRun },
                 p_run,
                 warm_up: warm_up.map_or(WarmUp::Automatic, |length| WarmUp::Fixed(micros(length))),
+                warm_up_period: micros(warm_up_period),
                 failsafe: micros(failsafe),
                 quantum,
                 motors: if pwm { MotorProtocol::Pwm } else { MotorProtocol::OneShot125 },

@@ -45,6 +45,9 @@ pub(super) struct ReplayArguments {
     /// How long control runs at every sample to learn: `auto`, or 0 to 30 s
     #[arg(long, value_name = "auto|SECONDS", value_parser = warm_up, allow_negative_numbers = true)]
     warm_up: Option<WarmUp>,
+    /// Runs per second while learning, 10 to 1000
+    #[arg(long, value_name = "HZ", value_parser = number, allow_negative_numbers = true)]
+    warm_up_rate: Option<f64>,
     /// Longest time between two runs in s, above 0.002 and at most 1
     #[arg(long, value_name = "SECONDS", value_parser = number, allow_negative_numbers = true)]
     failsafe: Option<f64>,
@@ -166,6 +169,9 @@ impl ReplayArguments {
                 }),
             p_run: self.p_run.map_or(defaults.p_run, |p_run| p_run as f32),
             warm_up: self.warm_up.unwrap_or(defaults.warm_up),
+            warm_up_period: self.warm_up_rate.map_or(defaults.warm_up_period, |rate| {
+                duration(1.0 / rate.max(1e-3))
+            }),
             failsafe: self.failsafe.map_or(defaults.failsafe, duration),
             quantum: self.quantum.map_or(defaults.quantum, |share| share as f32),
             motors: self.motors.map_or(defaults.motors, |name| match name {
@@ -212,6 +218,7 @@ impl ReplayArguments {
             ("--feedback", self.feedback.is_some()),
             ("--p-run", self.p_run.is_some()),
             ("--warm-up", self.warm_up.is_some()),
+            ("--warm-up-rate", self.warm_up_rate.is_some()),
         ] {
             if given {
                 return Err(Refusal::new(format!(
@@ -279,6 +286,7 @@ fn option_of(error: SettingsError) -> &'static str {
         SettingsError::Quantum => "--quantum",
         SettingsError::Period => "--rate",
         SettingsError::WarmUp => "--warm-up",
+        SettingsError::WarmUpPeriod => "--warm-up-rate",
         SettingsError::Triggers => "--triggers",
     }
 }

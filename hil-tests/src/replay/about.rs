@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use reflex::app::{Call, ChipOrder, Fault, Ran, Reason};
+use reflex::app::{Call, ChipOrder, Fault, Outcome, Ran, Reason};
 use reflex::reactive::{Fit, Phase};
 use reflex::sensors::{Cause, Input};
 use reflex::settings::{Feedback, MotorProtocol, Pairs, Policy, Reference, WarmUp};
@@ -110,6 +110,7 @@ impl Known<'_, '_> {
                 WarmUp::Automatic => None,
                 WarmUp::Fixed(length) => Some(seconds(length)),
             },
+            warm_up_rate_hz: 1.0 / seconds(settings.warm_up_period),
             failsafe_s: seconds(settings.failsafe),
             quantum: short(settings.quantum),
             motors: match settings.motors {
@@ -242,6 +243,21 @@ impl Known<'_, '_> {
                 )
             })
             .collect();
+        counters.extend(Outcome::ALL.iter().map(|outcome| {
+            let name = snake_case(&format!("Runs{outcome:?}"));
+            (name, self.story.mirror.outcomes(*outcome).into())
+        }));
+        counters.extend(
+            self.story
+                .fallbacks_by_reason
+                .iter()
+                .map(|(reason, count)| {
+                    (
+                        format!("fallback_{}", snake_case(&format!("{reason:?}"))),
+                        *count,
+                    )
+                }),
+        );
         counters.extend([
             ("fallbacks".into(), self.story.fallbacks),
             ("calls".into(), self.story.calls.len() as u64),

@@ -7,7 +7,7 @@
 use anyhow::{Result, bail};
 use reflex::app::{Autopilot, Call, Next, Ran, Reason, Recorder, Stamped};
 use reflex::config::{ARMED_MINIMUM, HYPERPERIOD, MOTORS};
-use reflex::reactive::Phase;
+use reflex::reactive::{FallbackReason, Phase};
 use reflex::settings::{Policy, Settings};
 use reflex::time::Instant;
 
@@ -26,6 +26,8 @@ pub(crate) struct Story<'c> {
     pub(crate) runs_in_the_air: u64,
     /// Times that reactive control was left for a fallback.
     pub(crate) fallbacks: u64,
+    /// The same, by reason.
+    pub(crate) fallbacks_by_reason: [(FallbackReason, u64); FallbackReason::ALL.len()],
     /// The firmware's clock at the first end of a hyperperiod, in us.
     pub(crate) first_hyperperiod_us: Option<u64>,
 }
@@ -74,6 +76,7 @@ impl<'c> Story<'c> {
             mirror: Autopilot::new(settings, LastRan::default()),
             runs_in_the_air: 0,
             fallbacks: 0,
+            fallbacks_by_reason: FallbackReason::ALL.map(|reason| (reason, 0)),
             first_hyperperiod_us: None,
         };
         if settings.policy != Policy::Reactive {
@@ -132,8 +135,14 @@ impl<'c> Story<'c> {
         if phase == Phase::Reactive {
             self.flight.end_warm_up(at_us);
         }
-        if matches!(phase, Phase::Fallback(_)) && !matches!(before, Phase::Fallback(_)) {
+        if let Phase::Fallback(reason) = phase
+            && phase != before
+        {
             self.fallbacks += 1;
+            let counted = self.fallbacks_by_reason.iter_mut();
+            for (_, count) in counted.filter(|(known, _)| *known == reason) {
+                *count += 1;
+            }
         }
         phase
     }

@@ -170,6 +170,7 @@ fn no_option_needs_another_firmware() {
         Settings {
             reference: Reference::PreviousSample,
             warm_up: WarmUp::Fixed(micros(4_000_000)),
+            warm_up_period: micros(2_500),
             failsafe: micros(50_000),
             motors: MotorProtocol::Pwm,
             p_run: 0.4,

@@ -81,6 +81,8 @@ pub struct Options {
     pub p_run: f64,
     /// Fixed length of the warm-up in seconds; null where the models decide.
     pub warm_up_s: Option<f64>,
+    /// Runs per second while learning, in hertz.
+    pub warm_up_rate_hz: f64,
     /// The longest time between runs, in seconds.
     pub failsafe_s: f64,
     /// The change of a motor command that counts, as a share of full scale.

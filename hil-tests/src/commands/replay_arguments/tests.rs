@@ -79,7 +79,7 @@ fn without_arguments_the_configured_defaults_hold() {
 #[test]
 fn every_option_arrives() {
     let options = parse(
-        "a.csv --reference previous-sample --p-run 0.7 --warm-up 2 --failsafe 0.2 \
+        "a.csv --reference previous-sample --p-run 0.7 --warm-up 2 --warm-up-rate 400 --failsafe 0.2 \
          --quantum 1/128 --motors pwm --duration 20 --rotate roll180 --noise none --seed 9 \
          --triggers gyro,turned --pairs published --feedback published --defmt out.log",
     )
@@ -89,6 +89,7 @@ fn every_option_arrives() {
         reference: Reference::PreviousSample,
         p_run: 0.7,
         warm_up: WarmUp::Fixed(micros(2_000_000)),
+        warm_up_period: micros(2_500),
         failsafe: micros(200_000),
         quantum: 1.0 / 128.0,
         motors: MotorProtocol::Pwm,

@@ -75,6 +75,7 @@ pub(super) fn about(flight: &Flight) -> About {
             feedback: "every".to_owned(),
             p_run: 0.6,
             warm_up_s: None,
+            warm_up_rate_hz: 1000.0,
             failsafe_s: 0.1,
             quantum: 0.25,
             motors: "oneshot125".to_owned(),

@@ -1,0 +1,71 @@
+//! Signs of life of the gating sensor: a sample that differs from the one before.
+//!
+//! A threshold cannot tell a steady sensor from a stuck one: neither ever changes. But no real
+//! sensor repeats itself to the last bit for long, since its noise is several counts.
+
+use crate::sensors::IMU_BURST_LENGTH;
+use crate::time::{Duration, Instant, span};
+
+/// Since when the gating sensor repeats itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Liveness {
+    newest: [u8; IMU_BURST_LENGTH],
+    changed: Option<Instant>,
+    told: bool,
+}
+
+/// What a burst says about its sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sign {
+    /// It is alive.
+    Alive,
+    /// It has repeated itself for too long; first noticed now.
+    Stuck,
+    /// It still does.
+    StillStuck,
+}
+
+impl Liveness {
+    /// Takes a burst; stuck where all have been the same for longer than `patience`.
+    pub(super) fn take(
+        &mut self,
+        at: Instant,
+        burst: &[u8; IMU_BURST_LENGTH],
+        patience: Duration,
+    ) -> Sign {
+        let changed = *self.changed.get_or_insert(at);
+        if *burst != self.newest {
+            *self = Self {
+                newest: *burst,
+                changed: Some(at),
+                told: false,
+            };
+        } else if span(changed, at) >= patience {
+            return if core::mem::replace(&mut self.told, true) {
+                Sign::StillStuck
+            } else {
+                Sign::Stuck
+            };
+        }
+        Sign::Alive
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::time::{at_micros, micros};
+
+    #[test]
+    fn a_sensor_that_repeats_itself_is_told_of_once_until_it_moves() {
+        let mut liveness = Liveness::default();
+        let mut take = |at, byte| liveness.take(at_micros(at), &[byte; 15], micros(2_000));
+        assert_eq!(take(0, 1), Sign::Alive);
+        assert_eq!(take(1_000, 1), Sign::Alive);
+        assert_eq!(take(2_000, 1), Sign::Stuck);
+        assert_eq!(take(3_000, 1), Sign::StillStuck);
+        assert_eq!(take(4_000, 2), Sign::Alive);
+        assert_eq!(take(5_000, 2), Sign::Alive);
+        assert_eq!(take(6_000, 2), Sign::Stuck);
+    }
+}

@@ -1,0 +1,219 @@
+//! The autopilot through its door: what goes wrong, what it falls back to, and back.
+
+use super::*;
+use crate::math::{Quaternion, Vec3};
+use crate::reactive::FallbackReason;
+use crate::units::BodyRates;
+
+/// A bench in reactive control.
+fn reactive(settings: Settings) -> Bench {
+    let mut bench = Bench::armed(settings);
+    bench.milliseconds(6_000, gusty);
+    assert_eq!(bench.phase(), Phase::Reactive);
+    bench
+}
+
+fn noise(now: u64) -> Option<i16> {
+    Some((((now / 1000).wrapping_mul(2_654_435_761) >> 7) % 9) as i16 - 4)
+}
+
+#[test]
+fn a_stuck_gyroscope_is_noticed_within_two_failsafe_periods_and_forgiven_when_it_moves() {
+    let mut bench = reactive(short_warm_up());
+    bench.milliseconds(190, |_| Some(77));
+    assert_eq!(bench.phase(), Phase::Reactive);
+    bench.milliseconds(20, |_| Some(77));
+    assert_eq!(bench.phase(), Phase::Fallback(FallbackReason::ImuLost));
+    assert_eq!(bench.autopilot.faults(Fault::ImuStuck), 1);
+    let blind = bench.outputs.last().expect("runs").1;
+    assert!(blind.iter().all(|share| (share - blind[0]).abs() < 1e-6));
+    bench.milliseconds(5, gusty);
+    assert_eq!(bench.phase(), Phase::WarmUp);
+}
+
+#[test]
+fn aerobatics_are_flown_time_triggered_and_reactive_control_returns_after_them() {
+    let mut bench = reactive(short_warm_up());
+    let mut flip = Setpoint::level(Thrust::new(0.5).expect("in range"));
+    flip.rates = BodyRates(Vec3::new(-32.0, 0.0, 0.0));
+    bench.tell(&Message::Setpoint(flip));
+    assert_eq!(bench.phase(), Phase::Fallback(FallbackReason::Aerobatics));
+    let before = bench.outputs.len();
+    bench.milliseconds(100, gusty);
+    assert_eq!(bench.outputs.len() - before, 100, "runs at every sample");
+    bench.milliseconds(12_000, gusty);
+    assert_eq!(bench.phase(), Phase::Reactive);
+}
+
+#[test]
+fn a_slow_change_of_attitude_is_no_aerobatics() {
+    let mut bench = reactive(short_warm_up());
+    for step in 0..50 {
+        let roll = Vec3::new(0.02 * step as f32, 0.0, 0.0);
+        let setpoint = Setpoint {
+            attitude: Some(Quaternion::IDENTITY.turned_by(roll)),
+            ..Setpoint::level(Thrust::new(0.5).expect("in range"))
+        };
+        bench.tell(&Message::Setpoint(setpoint));
+        bench.milliseconds(20, gusty);
+    }
+    assert_eq!(bench.phase(), Phase::Reactive);
+}
+
+#[test]
+fn runs_that_begin_late_time_and_again_end_reactive_control() {
+    let mut bench = reactive(short_warm_up());
+    let mut late = 0;
+    while late <= crate::config::LATE_RUNS {
+        bench.now += 1000;
+        let now = at_micros(bench.now);
+        let rate = gusty(bench.now).unwrap_or(0);
+        if bench.autopilot.on_imu(now, &burst(rate)) == Next::Hyperperiod {
+            let too_late = now + HYPERPERIOD;
+            bench.autopilot.on_hyperperiod(too_late);
+            late += 1;
+        }
+    }
+    assert_eq!(bench.phase(), Phase::Fallback(FallbackReason::Overrun));
+    assert!(bench.autopilot.faults(Fault::LateRun) > crate::config::LATE_RUNS);
+}
+
+#[test]
+fn models_that_the_flight_refutes_are_learned_again_from_scratch() {
+    let mut bench = reactive(Settings {
+        triggers: Inputs::NONE.with(Input::Gyro),
+        ..short_warm_up()
+    });
+    // A model that calls for a run at every breath, swapped in as a refit would be.
+    let wrong = crate::reactive::Logistic { b1: 3.0, b2: 1.0 };
+    let refit = crate::reactive::Refit {
+        input: Input::Gyro,
+        fit: Fit::Model(wrong),
+    };
+    bench.autopilot.on_refit(at_micros(bench.now), refit);
+    bench.milliseconds(400, noise);
+    assert_eq!(
+        bench.phase(),
+        Phase::Fallback(FallbackReason::FalsePositives)
+    );
+    assert_eq!(bench.autopilot.fit(Input::Gyro), Fit::Unfit);
+    assert!(bench.autopilot.outcomes(Outcome::FalsePositive) >= crate::config::JUDGED_RUNS);
+    bench.milliseconds(30_000, gusty);
+    assert_eq!(bench.phase(), Phase::Reactive);
+}
+
+#[test]
+fn values_that_are_no_numbers_are_counted_and_reach_nothing() {
+    let mut bench = reactive(short_warm_up());
+    let mut setpoint = Setpoint::level(Thrust::new(0.5).expect("in range"));
+    setpoint.rates = BodyRates(Vec3::new(f32::NAN, 0.0, 0.0));
+    bench.tell(&Message::Setpoint(setpoint));
+    let broken = crate::reactive::Logistic {
+        b1: f32::NAN,
+        b2: f32::INFINITY,
+    };
+    let refit = crate::reactive::Refit {
+        input: Input::Turned,
+        fit: Fit::Model(broken),
+    };
+    bench.autopilot.on_refit(at_micros(bench.now), refit);
+    assert_eq!(bench.autopilot.faults(Fault::NotFinite), 2);
+    bench.milliseconds(1_000, gusty);
+    let finite = |shares: &[f32; MOTORS]| shares.iter().all(|share| share.is_finite());
+    assert!(bench.outputs.iter().all(|(_, shares)| finite(shares)));
+    assert!(
+        Input::ALL
+            .into_iter()
+            .all(|input| !bench.autopilot.threshold(input).is_nan())
+    );
+}
+
+/// A sway that turns the body before the rate has changed by much.
+fn swaying(now: u64) -> Option<i16> {
+    let phase = (now % 2_000_000) as f32 * core::f32::consts::PI * 1e-6;
+    Some((400.0 * phase.sin()) as i16 + noise(now).unwrap_or(0))
+}
+
+/// Lets time pass with a chip that samples at 100 Hz and carries out its orders.
+fn with_chip(bench: &mut Bench, milliseconds: u64, mut counts: impl FnMut(u64) -> [i16; 3]) {
+    for step in 0..milliseconds {
+        bench.milliseconds(1, swaying);
+        let now = at_micros(bench.now);
+        if step % 10 == 0 {
+            let counts = counts(bench.now);
+            let _ = bench.autopilot.on_chip_accel(now, counts, Cause::DataReady);
+        }
+        while let Some(order) = bench.autopilot.next_order() {
+            bench.autopilot.on_order_done(now, order, Ok(()));
+        }
+    }
+}
+
+/// Only the chip and the angle trigger, so that the chip's model is needed.
+fn chip_needed() -> Settings {
+    Settings {
+        triggers: Inputs::NONE.with(Input::Turned).with(Input::ChipAccel),
+        ..short_warm_up()
+    }
+}
+
+fn moving(now: u64) -> [i16; 3] {
+    let sway = swaying(now).unwrap_or(0);
+    [sway * 16, (now / 10_000 % 7) as i16, -8192]
+}
+
+#[test]
+fn a_chip_that_lost_its_threshold_is_programmed_within_two_failsafe_periods() {
+    let mut bench = Bench::armed(chip_needed());
+    with_chip(&mut bench, 12_000, moving);
+    let mut reset_at = None;
+    let mut armed_again_at = None;
+    for _ in 0..2_000 {
+        bench.milliseconds(1, swaying);
+        let now = at_micros(bench.now);
+        while let Some(order) = bench.autopilot.next_order() {
+            let lost = OrderError::ReadBack {
+                register: 0x32,
+                wrote: 9,
+                read: 0,
+            };
+            let checks = matches!(order, ChipOrder::AccelHeartbeat);
+            let result = if checks && reset_at.is_none() {
+                // The chip was reset right after the last check.
+                reset_at = Some(bench.now - SETTINGS.failsafe.ticks());
+                Err(lost)
+            } else {
+                Ok(())
+            };
+            if matches!(order, ChipOrder::AccelThreshold(_)) && reset_at.is_some() {
+                armed_again_at.get_or_insert(bench.now);
+            }
+            bench.autopilot.on_order_done(now, order, result);
+        }
+    }
+    let (reset, armed) = (
+        reset_at.expect("a check"),
+        armed_again_at.expect("armed again"),
+    );
+    assert!(
+        armed - reset <= 2 * SETTINGS.failsafe.ticks(),
+        "{} us",
+        armed - reset
+    );
+}
+
+#[test]
+fn a_chip_that_repeats_itself_ends_reactive_control_where_its_model_counts() {
+    let mut bench = Bench::armed(chip_needed());
+    with_chip(&mut bench, 12_000, moving);
+    assert_eq!(bench.phase(), Phase::Reactive);
+    assert!(matches!(
+        bench.autopilot.fit(Input::ChipAccel),
+        Fit::Model(_)
+    ));
+    with_chip(&mut bench, 600, |_| [5, 5, -8192]);
+    assert_eq!(bench.autopilot.faults(Fault::AccelStuck), 1);
+    assert_eq!(bench.phase(), Phase::Fallback(FallbackReason::SensorLost));
+    with_chip(&mut bench, 20_000, |_| [5, 5, -8192]);
+    assert_eq!(bench.phase(), Phase::Reactive, "it is flown without");
+}
