@@ -10,23 +10,19 @@ use crate::time::Instant;
 
 /// Inputs whose periods enter the hyperperiod.
 pub(super) const GATES: Inputs = {
-    let mut gates = Inputs::NONE;
-    let mut place = 0;
-    while place < SENSED.len() {
-        if SENSED[place].1.gates {
-            gates = gates.with(SENSED[place].0);
-        }
-        place += 1;
-    }
-    gates
+    let gates = with_gate(Inputs::NONE, Input::Gyro, &GYRO);
+    let gates = with_gate(gates, Input::Accel, &ACCEL);
+    let gates = with_gate(gates, Input::ChipAccel, &CHIP_ACCEL);
+    with_gate(gates, Input::ChipMag, &CHIP_MAG)
 };
 
-const SENSED: [(Input, SensorInput); 4] = [
-    (Input::Gyro, GYRO),
-    (Input::Accel, ACCEL),
-    (Input::ChipAccel, CHIP_ACCEL),
-    (Input::ChipMag, CHIP_MAG),
-];
+const fn with_gate(gates: Inputs, input: Input, sensor: &SensorInput) -> Inputs {
+    if sensor.gates {
+        gates.with(input)
+    } else {
+        gates
+    }
+}
 
 // The build refuses a hyperperiod past its bound with the rates that make it; this holds the bound
 // for whoever writes constants by hand.
@@ -35,31 +31,33 @@ const _: () = assert!(
     "the gating inputs' rates make a hyperperiod that is longer than 20 ms"
 );
 
-/// Samples that each input owes a hyperperiod; none where it does not gate.
-const OWED: [u16; SENSED.len()] = {
-    let mut owed = [0; SENSED.len()];
-    let mut place = 0;
-    while place < SENSED.len() {
-        let (_, input) = SENSED[place];
-        if input.gates {
-            owed[place] = (HYPERPERIOD.ticks() / input.period.ticks()) as u16;
-        }
-        place += 1;
+/// Samples that each of [`Input::SENSED`] owes a hyperperiod; none where it does not gate.
+const OWED: [u16; Input::SENSED.len()] = [
+    owed(&GYRO),
+    owed(&ACCEL),
+    owed(&CHIP_ACCEL),
+    owed(&CHIP_MAG),
+];
+
+const fn owed(sensor: &SensorInput) -> u16 {
+    if sensor.gates {
+        (HYPERPERIOD.ticks() / sensor.period.ticks()) as u16
+    } else {
+        0
     }
-    owed
-};
+}
 
 /// The hyperperiod under way.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Hyperperiod {
-    delivered: [u16; SENSED.len()],
+    delivered: [u16; OWED.len()],
     began: Option<Instant>,
 }
 
 impl Hyperperiod {
     /// Takes note of samples; true where they end the hyperperiod, which begins the next.
     pub(super) fn deliver(&mut self, at: Instant, inputs: Inputs) -> bool {
-        for ((input, _), count) in SENSED.iter().zip(&mut self.delivered) {
+        for (input, count) in Input::SENSED.iter().zip(&mut self.delivered) {
             if inputs.contains(*input) {
                 *count = count.saturating_add(1);
             }

@@ -32,7 +32,7 @@ const WEAKEST_FIELD: f32 = 0.05;
 impl<R: Recorder> Autopilot<R> {
     /// A burst of the MPU6050 was received; `at` is the stamp of its interrupt.
     ///
-    /// Filters, sums and compares, and ends the hyperperiod: the MPU6050 is its only gate.
+    /// Filters, sums and compares; ends the hyperperiod where it is the last that gates.
     pub fn on_imu(&mut self, at: Instant, burst: &[u8; IMU_BURST_LENGTH]) -> Next {
         self.note(at, Call::Imu(*burst));
         let Some(sample) = ImuSample::from_burst(at, burst) else {
