@@ -26,14 +26,13 @@ impl Decision {
     /// Takes a change; true where it calls for a run.
     ///
     /// The hot path of reactive control: one comparison. Without a change to look at, for the
-    /// first sample of all, the answer is yes; and so it is for one that is no number, since a
-    /// run ends at the motor gate, which refuses and counts what is none.
+    /// first sample of all, the answer is yes.
     pub fn take(&mut self, x: Option<f32>) -> bool {
         let Some(x) = x else {
             return true;
         };
         self.change = Some(x);
-        x > self.threshold || x.is_nan()
+        x > self.threshold
     }
 
     /// A run happened: what was measured before it is of no use.
