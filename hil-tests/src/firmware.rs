@@ -12,8 +12,10 @@ use object::read::elf::{ElfFile32, FileHeader, ProgramHeader, SectionHeader};
 use crate::progress::Progress;
 use crate::toolchain::{self, TARGET};
 
-/// Name of the package and of its binary.
+/// Name of the firmware's package and of its binary.
 const NAME: &str = "reflex";
+/// Package and binary of the program that runs parts of the firmware one by one.
+const PARTS: (&str, &str) = ("reflex-bench", "parts");
 /// Where flash begins and ends on an STM32F427.
 const FLASH: std::ops::Range<u32> = 0x0800_0000..0x0820_0000;
 
@@ -45,8 +47,21 @@ impl Firmware {
     /// # Errors
     /// The target cannot be added (a refusal), the build fails, or it leaves no ELF file.
     pub fn build(progress: &mut dyn Progress) -> Result<Self> {
-        toolchain::ensure_target(progress)?;
         progress.stage("Building the firmware");
+        Self::linked((NAME, NAME), progress)
+    }
+
+    /// Builds the program that runs parts of the firmware one by one, for measurements.
+    ///
+    /// # Errors
+    /// As those of [`Self::build`].
+    pub fn build_parts(progress: &mut dyn Progress) -> Result<Self> {
+        progress.stage("Building the parts");
+        Self::linked(PARTS, progress)
+    }
+
+    fn linked((package, name): (&str, &'static str), progress: &mut dyn Progress) -> Result<Self> {
+        toolchain::ensure_target(progress)?;
         let mut build = toolchain::cargo();
         build.args([
             "build",
@@ -55,10 +70,10 @@ impl Firmware {
             "--target",
             TARGET,
         ]);
-        build.args(["--package", NAME, "--bin", NAME]);
+        build.args(["--package", package, "--bin", name]);
         build.arg("--message-format=json-render-diagnostics");
         let messages = toolchain::run(&mut build, progress)?;
-        let path = executable(&messages).context("cargo named no firmware that it built")?;
+        let path = executable(&messages, name).context("cargo named no program that it built")?;
         Self::read(path)
     }
 
@@ -74,12 +89,12 @@ impl Firmware {
     }
 }
 
-/// The path of the binary among cargo's messages.
-fn executable(messages: &[u8]) -> Option<PathBuf> {
+/// The path of a binary among cargo's messages.
+fn executable(messages: &[u8], name: &str) -> Option<PathBuf> {
     Message::parse_stream(messages)
         .flatten()
         .filter_map(|message| match message {
-            Message::CompilerArtifact(artifact) if artifact.target.name == NAME => {
+            Message::CompilerArtifact(artifact) if artifact.target.name == name => {
                 artifact.executable.map(PathBuf::from)
             }
             _ => None,

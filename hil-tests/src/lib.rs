@@ -5,12 +5,14 @@
 //! - [`flights`]: recorded flights, as stimulus, setpoints and link frames
 //! - [`replay`]: puts the three together; [`scoring`] judges what happened
 //! - [`native`]: the same flights without the emulator, a hundred times as fast
+//! - [`costs`]: instructions, memory and locks of the firmware, against limits
 //! - [`firmware`]: builds and measures the ELF, with the [`toolchain`] it needs
 //! - [`commands`]: the command line of `cargo hil`
 
 pub mod board;
 pub mod chips;
 pub mod commands;
+pub mod costs;
 pub mod firmware;
 pub mod flights;
 pub mod native;

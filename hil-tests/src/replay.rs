@@ -29,6 +29,7 @@ use std::path::PathBuf;
 use reflex::airframe::period_ticks;
 use reflex::settings::MotorProtocol;
 
+use crate::board::Watched;
 use crate::chips::{ChipOptions, Present};
 use crate::firmware::Firmware;
 use crate::flights::{Flight, sample_flight};
@@ -38,7 +39,8 @@ use crate::replay_options::ReplayOptions;
 use crate::scoring::{Report, score};
 
 use alignment::{Alignment, TIMER_MHZ};
-use bench::TestBench;
+use bench::HANDLERS;
+pub(crate) use bench::TestBench;
 use observation::Observation;
 use story::Story;
 
@@ -51,7 +53,8 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
     let (flight, path) = open_flight(options)?;
     let defmt = open_defmt(options)?;
     let firmware = Firmware::build(progress)?;
-    let mut bench = TestBench::new(&flight, options, &firmware)?;
+    let watches = HANDLERS.map(Watched::from).to_vec();
+    let mut bench = TestBench::new(&flight, options, &firmware, watches)?;
     let mut observation = Observation::new(defmt, options.defmt.clone());
     progress.stage(&format!("Replaying {}", path.display()));
     bench.run(&mut observation, progress)?;

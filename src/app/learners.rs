@@ -53,6 +53,8 @@ pub(super) struct Learners {
     /// Angle turned in earlier runs, which the shadow holds look back to.
     turned_before: Vec3,
     setpoint: Setpoint,
+    /// Inputs whose shadow holds start anew with their next sample, not under whoever's lock.
+    stale_holds: Inputs,
 }
 
 impl<S: Sample> Learner<S> {
@@ -181,6 +183,7 @@ impl Learners {
             },
             turned_before: Vec3::ZERO,
             setpoint: Setpoint::default(),
+            stale_holds: Inputs::NONE,
         }
     }
 
@@ -250,6 +253,9 @@ impl Learners {
             command: *command,
             rates: self.gyro.watch.newest().unwrap_or_default(),
         };
+        if self.takes_stale(Input::Command) {
+            self.command.holds.restart();
+        }
         self.command.hold(now, &newest, &rule, &lead);
     }
 
@@ -259,9 +265,13 @@ impl Learners {
             return;
         };
         let rates = self.gyro.watch.newest().unwrap_or_default();
+        let stale = self.takes_stale(input);
         let Some(learner) = self.of_axes(input) else {
             return;
         };
+        if stale {
+            learner.holds.restart();
+        }
         if let Some(sample) = learner.watch.newest() {
             let newest = Held {
                 sample,
@@ -286,13 +296,15 @@ impl Learners {
         })
     }
 
+    /// True once for an input whose shadow holds start anew.
+    fn takes_stale(&mut self, input: Input) -> bool {
+        let stale = self.stale_holds.contains(input);
+        self.stale_holds = self.stale_holds.without(input);
+        stale
+    }
+
     pub(super) fn restart_holds(&mut self) {
-        self.gyro.holds.restart();
-        self.accel.holds.restart();
-        self.chip_accel.holds.restart();
-        self.chip_mag.holds.restart();
-        self.turned.holds.restart();
-        self.command.holds.restart();
+        self.stale_holds = Inputs::ALL;
         // Sums of a whole flight would lose the small angles that a hold turns by.
         self.turned_before = Vec3::ZERO;
         self.turned.rearm(Vec3::ZERO);

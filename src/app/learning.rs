@@ -57,6 +57,9 @@ impl<R: Recorder> Autopilot<R> {
     }
 
     /// Swaps a fit in, forgets a little, and judges whether the phase ends.
+    ///
+    /// A symbol of its own, so that the lock around it can be measured.
+    #[inline(never)]
     pub fn on_refit(&mut self, now: Instant, refit: Refit) {
         self.note(now, Call::Refit(refit));
         let refit = if refit.fit.is_usable() {
@@ -86,10 +89,11 @@ impl<R: Recorder> Autopilot<R> {
             .all(|input| self.learners.lesson(input).is_settled() || !self.chips.delivers(input));
         let lead = self.learners.lesson(self.learners.lead());
         let fitted = lead.decision.model().is_some();
-        if let Some(event) = self.supervisor.judge(learned, fitted, now) {
-            self.move_phase(event);
+        match self.supervisor.judge(learned, fitted, now) {
+            // Brings the new phase's thresholds with it.
+            Some(event) => self.move_phase(event),
+            None => self.want_thresholds(),
         }
-        self.want_thresholds();
     }
 
     /// The change of an input above which it calls for a run, in its SI unit.

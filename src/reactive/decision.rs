@@ -1,5 +1,6 @@
 //! The decision of one input: does a change of this size call for a run?
 
+use super::logistic::LogOdds;
 use super::{Fit, Logistic};
 
 /// How large a change is, and from where on it calls for a run.
@@ -9,6 +10,8 @@ pub struct Decision {
     fit: Fit,
     threshold: f32,
     p_run: f32,
+    /// Of `p_run`, kept because a model is swapped in under a lock.
+    odds: LogOdds,
 }
 
 impl Decision {
@@ -20,6 +23,7 @@ impl Decision {
             fit: Fit::Unfit,
             threshold: 0.0,
             p_run,
+            odds: LogOdds::of(p_run),
         }
     }
 
@@ -58,7 +62,7 @@ impl Decision {
         self.threshold = match fit {
             Fit::Unfit => 0.0,
             Fit::Irrelevant => f32::INFINITY,
-            Fit::Model(model) => finite_or_zero(model.crossing(self.p_run)),
+            Fit::Model(model) => finite_or_zero(model.crossing_at(self.odds)),
         };
     }
 

@@ -62,7 +62,9 @@ impl RefitJob {
     /// Fits the model: the long part, done without any lock.
     #[must_use]
     pub fn fit(&self) -> Refit {
-        let fit = match fit(&self.labels) {
+        let mut labels = self.labels;
+        labels.settle();
+        let fit = match fit(&labels) {
             Fit::Irrelevant if self.leads => Fit::Unfit,
             fit => fit,
         };
@@ -98,19 +100,35 @@ fn fit(labels: &Labels) -> Fit {
     if !(unit > 0.0 && unit.is_finite()) {
         return Fit::Unfit;
     }
-    let Some(mut model) = least_squares(labels, unit) else {
+    let Some(start) = least_squares(labels, unit) else {
         return Fit::Unfit;
     };
+    let mut best = Candidate::new(labels, unit, start);
     for _ in 0..NEWTON_STEPS {
-        match newton_step(labels, unit, model) {
-            Some(better) => model = better,
+        match newton_step(labels, unit, &best) {
+            Some(better) => best = better,
             None => break,
         }
     }
-    judge(labels, unit, model)
+    judge(labels, unit, &best)
 }
 
-fn judge(labels: &Labels, unit: f32, model: Logistic) -> Fit {
+/// A model with its likelihood: each costs a pass over all bins, and is looked at twice.
+struct Candidate {
+    model: Logistic,
+    likelihood: f32,
+}
+
+impl Candidate {
+    fn new(labels: &Labels, unit: f32, model: Logistic) -> Self {
+        Self {
+            model,
+            likelihood: likelihood(labels, unit, model),
+        }
+    }
+}
+
+fn judge(labels: &Labels, unit: f32, Candidate { model, likelihood }: &Candidate) -> Fit {
     let slope = model.b2 / unit;
     if !(model.b1.is_finite() && slope.is_finite()) {
         return Fit::Unfit;
@@ -123,7 +141,7 @@ fn judge(labels: &Labels, unit: f32, model: Logistic) -> Fit {
         b1: log_odds(share),
         b2: 0.0,
     };
-    let gain = likelihood(labels, unit, model) - likelihood(labels, unit, constant);
+    let gain = likelihood - Candidate::new(labels, unit, constant).likelihood;
     if 2.0 * gain < EVIDENCE {
         return Fit::Irrelevant;
     }
@@ -150,7 +168,8 @@ fn least_squares(labels: &Labels, unit: f32) -> Option<Logistic> {
 }
 
 /// One step of the maximum likelihood; `None` where it is at its end or fails to gain.
-fn newton_step(labels: &Labels, unit: f32, from: Logistic) -> Option<Logistic> {
+fn newton_step(labels: &Labels, unit: f32, best: &Candidate) -> Option<Candidate> {
+    let from = best.model;
     let mut normal = Normal::default();
     for bin in labels.bins() {
         let x = position(bin, unit);
@@ -160,7 +179,6 @@ fn newton_step(labels: &Labels, unit: f32, from: Logistic) -> Option<Logistic> {
         normal.add(x, residual, weight);
     }
     let step = normal.solve()?;
-    let before = likelihood(labels, unit, from);
     // Half the step until the likelihood gains: far out the quadratic model overshoots.
     (0..6)
         .map(|halvings| 1.0 / (1 << halvings) as f32)
@@ -168,7 +186,8 @@ fn newton_step(labels: &Labels, unit: f32, from: Logistic) -> Option<Logistic> {
             b1: from.b1 + step.b1 * share,
             b2: from.b2 + step.b2 * share,
         })
-        .find(|to| likelihood(labels, unit, *to) > before)
+        .map(|to| Candidate::new(labels, unit, to))
+        .find(|to| to.likelihood > best.likelihood)
 }
 
 fn likelihood(labels: &Labels, unit: f32, model: Logistic) -> f32 {

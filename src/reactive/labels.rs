@@ -3,7 +3,7 @@
 //! A label is a change `x` and whether the command would have changed. Bins are spaced by the
 //! logarithm of `x`; each keeps the weight of its labels, the part that was *changed*, and the
 //! weighted sum of `x`, so that a bin speaks for the mean of what fell into it and not for its
-//! middle. 304 bytes an input, whatever the length of the flight.
+//! middle. 308 bytes an input, whatever the length of the flight.
 
 use crate::config::Changes;
 
@@ -19,6 +19,11 @@ pub struct Labels {
     unchanged: f32,
     changed: f32,
     overtaken: f32,
+    /// What the bins are still to be multiplied by.
+    ///
+    /// Forgetting comes with the swap of a model, under a lock that is to be short; the bins
+    /// follow with the next label, or in the copy that is fitted.
+    due: f32,
 }
 
 /// One label: what a run did, or would have done.
@@ -64,6 +69,7 @@ impl Labels {
             unchanged: 0.0,
             changed: 0.0,
             overtaken: 0.0,
+            due: 1.0,
         }
     }
 
@@ -75,6 +81,7 @@ impl Labels {
         }
         let place = (logarithm(x) - self.smallest) * self.per_bin;
         let place = (place.max(0.0) as usize).min(BIN_COUNT - 1);
+        self.settle();
         let Some(bin) = self.bins.get_mut(place) else {
             return;
         };
@@ -91,14 +98,23 @@ impl Labels {
     /// Forgets: every weight is multiplied by `share`, within 0 to 1.
     pub fn fade(&mut self, share: f32) {
         let share = share.max(0.0);
-        for bin in &mut self.bins {
-            bin.weight *= share;
-            bin.changed *= share;
-            bin.sum *= share;
-        }
+        self.due *= share;
         self.changed *= share;
         self.unchanged *= share;
         self.overtaken *= share;
+    }
+
+    /// Brings the bins up to date with what was forgotten.
+    pub(super) fn settle(&mut self) {
+        let due = core::mem::replace(&mut self.due, 1.0);
+        if due == 1.0 {
+            return;
+        }
+        for bin in &mut self.bins {
+            bin.weight *= due;
+            bin.changed *= due;
+            bin.sum *= due;
+        }
     }
 
     /// Counts a hold that the leading input ended before this one's change told anything.
@@ -121,7 +137,12 @@ impl Labels {
     /// The weight of labels of the rarer class.
     #[must_use]
     pub fn of_rarer_class(&self) -> f32 {
-        self.changed.min(self.unchanged)
+        // Unlike `f32::min`, no call: asked for every input under the lock that swaps a model.
+        if self.changed < self.unchanged {
+            self.changed
+        } else {
+            self.unchanged
+        }
     }
 
     /// The weight of all labels.
@@ -130,7 +151,7 @@ impl Labels {
         self.changed + self.unchanged
     }
 
-    /// Bins that hold labels.
+    /// Bins that hold labels, to be looked at once they are settled.
     pub(super) fn bins(&self) -> impl Iterator<Item = &Bin> + Clone {
         self.bins.iter().filter(|bin| bin.weight > 0.0)
     }
@@ -159,6 +180,21 @@ mod tests {
         }
         labels.add(&label(0.1, true, 0.0));
         assert_eq!(labels.total(), 0.0);
+    }
+
+    #[test]
+    fn labels_after_a_forgetting_count_in_full_and_those_before_it_by_their_share() {
+        let mut labels = Labels::new(&GYRO.changes);
+        labels.add(&label(0.5, true, 8.0));
+        labels.fade(0.5);
+        labels.fade(0.5);
+        assert_eq!(labels.total(), 2.0);
+        labels.add(&label(0.5, false, 1.0));
+        let weights: Vec<f32> = labels.bins().map(|bin| bin.weight).collect();
+        assert_eq!((weights, labels.total()), (vec![3.0], 3.0));
+        labels.fade(0.0);
+        labels.settle();
+        assert_eq!(labels.bins().count(), 0);
     }
 
     proptest! {

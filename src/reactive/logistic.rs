@@ -22,7 +22,25 @@ impl Logistic {
     /// May be zero or negative: then any change calls for a run.
     #[must_use]
     pub fn crossing(&self, p_run: f32) -> f32 {
-        (log_odds(p_run) - self.b1) / self.b2
+        self.crossing_at(LogOdds::of(p_run))
+    }
+
+    /// The same for a probability whose log-odds are known.
+    #[must_use]
+    pub(super) fn crossing_at(&self, p_run: LogOdds) -> f32 {
+        (p_run.0 - self.b1) / self.b2
+    }
+}
+
+/// The log-odds of a probability: a logarithm, so 80 instructions to come by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LogOdds(f32);
+
+impl LogOdds {
+    /// Never inlined: whoever builds a learner around it would build it twice, 10 KiB of stack.
+    #[inline(never)]
+    pub(super) fn of(p: f32) -> Self {
+        Self(log_odds(p))
     }
 }
 

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use anyhow::{Context, Result, bail};
-use object::{Object, ObjectSymbol, SymbolKind};
+use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
+
+use super::Watched;
 
 /// A firmware image with its symbols.
 #[derive(Clone, Debug)]
@@ -65,6 +67,54 @@ impl Elf {
     /// Address of a function's first instruction, without the Thumb bit.
     pub fn code(&self, name: &str) -> Result<u32> {
         Ok(self.symbol(name)? & !1)
+    }
+
+    /// The instruction that a watched place begins with.
+    pub fn place_of(&self, place: &Watched) -> Result<u32> {
+        match place {
+            Watched::Symbol(name) => self.code(name),
+            Watched::Address(address) => Ok(*address),
+        }
+    }
+
+    /// Address of the one function whose path ends so: `["app", "idle"]` is `reflex::app::idle`.
+    ///
+    /// Both ways in which the compiler spells a path as a symbol put the length of each name
+    /// before it.
+    pub fn function(&self, path: &[&str]) -> Result<u32> {
+        let spelled: String = path
+            .iter()
+            .map(|name| format!("{}{name}", name.len()))
+            .collect();
+        let found: Vec<u32> = self
+            .functions
+            .iter()
+            .filter(|(_, (_, name))| name.contains(&spelled))
+            .map(|(address, _)| *address)
+            .collect();
+        match found[..] {
+            [address] => Ok(address),
+            _ => bail!("{} functions are {}, not one", found.len(), path.join("::")),
+        }
+    }
+
+    /// The half-words of the function at an address, each with its own address.
+    pub fn half_words(&self, function: u32) -> Result<Vec<(u32, u16)>> {
+        let (size, _) = self
+            .functions
+            .get(&function)
+            .with_context(|| format!("no function begins at {function:#010x}"))?;
+        let file = object::File::parse(&*self.bytes).context("the firmware is not an ELF file")?;
+        let code = file.sections().find_map(|section| {
+            let data = section.data_range(u64::from(function), u64::from(*size));
+            data.ok().flatten()
+        });
+        let code = code.with_context(|| format!("no code at {function:#010x}"))?;
+        let halves = code.chunks_exact(2).map(|half| [half[0], half[1]]);
+        Ok((function..)
+            .step_by(2)
+            .zip(halves.map(u16::from_le_bytes))
+            .collect())
     }
 
     /// The stack's region, by the linker's symbols: it grows from the end

@@ -73,12 +73,12 @@ pub struct Edge {
     pub rising: bool,
 }
 
-/// The core arrived at a watched symbol, before its first instruction.
+/// The core arrived at a watched place, before the instruction there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hit {
     /// When, in ns.
     pub at_ns: u64,
-    /// Index of the symbol in [`Options::watches`].
+    /// Index of the place in [`Options::watches`].
     pub watch: usize,
     /// Instructions executed since reset.
     pub instructions: u64,
@@ -100,10 +100,25 @@ pub trait Observer {
     fn log(&mut self, _line: &LogLine) {}
     /// A byte of the link whose stop bit ended at `at_ns`.
     fn link(&mut self, _at_ns: u64, _byte: u8) {}
-    /// The core arrived at a watched symbol.
+    /// The core arrived at a watched place.
     fn hit(&mut self, _hit: Hit) {}
     /// Everything until `at_ns` has been told; `instructions` since reset.
     fn progress(&mut self, _at_ns: u64, _instructions: u64) {}
+}
+
+/// A place in the code.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Watched {
+    /// The first instruction of a function.
+    Symbol(String),
+    /// The instruction at an address.
+    Address(u32),
+}
+
+impl From<&str> for Watched {
+    fn from(symbol: &str) -> Self {
+        Self::Symbol(symbol.to_owned())
+    }
 }
 
 /// How a board is started and watched.
@@ -111,8 +126,10 @@ pub trait Observer {
 pub struct Options {
     /// Bytes for the symbol [`SETTINGS_SYMBOL`]; none leaves it as it is.
     pub settings: Option<Vec<u8>>,
-    /// Symbols whose arrivals are reported as [`Observer::hit`].
-    pub watches: Vec<String>,
+    /// Places, arrivals at which are reported as [`Observer::hit`].
+    pub watches: Vec<Watched>,
+    /// The program is an autopilot: it keeps a call log, and falls silent only by a fault.
+    pub flies: bool,
     /// Time between two looks at the logs, in ns.
     ///
     /// RTT holds 1 KiB and the call log 2 KiB: what a period adds must fit.
@@ -128,6 +145,7 @@ impl Default for Options {
         Self {
             settings: None,
             watches: Vec::new(),
+            flies: true,
             poll_ns: 1_000_000,
             boot_limit_ns: 2_000_000_000,
             silence_limit_ns: 500_000_000,

@@ -4,6 +4,7 @@
 //! line and exit code 1, and with `--json` writes one JSON object to stdout and nothing else.
 
 mod bar;
+mod bench;
 mod quantities;
 mod replay;
 mod replay_arguments;
@@ -36,6 +37,8 @@ struct Cli {
 enum Command {
     /// Boot the firmware on the emulated board and replay a recorded flight into its sensors
     Replay(replay_arguments::ReplayArguments),
+    /// Count the instructions of every part on the emulated core, against its limit
+    Bench(bench::BenchArguments),
     /// Run everything that continuous integration runs
     Test,
 }
@@ -56,6 +59,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let result = match &cli.command {
         Command::Replay(arguments) => replay::run(arguments),
+        Command::Bench(arguments) => bench::run(*arguments),
         Command::Test => test::run(),
     };
     match result {
@@ -124,6 +128,7 @@ mod tests {
                 &["replay", "--seed", "1", "--seed", "2"],
                 "cannot be used multiple times",
             ),
+            (&["bench", "--quick"], "unexpected argument '--quick'"),
             (&["test", "more"], "unexpected argument 'more'"),
         ] {
             let line = refusal(arguments);

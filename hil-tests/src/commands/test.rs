@@ -7,18 +7,20 @@ mod structure;
 use anyhow::{Context, Result};
 
 use super::bar::Bar;
+use super::bench;
 use crate::progress::Progress;
 use crate::toolchain::{self, TARGET};
 
 /// A check with its name.
 type Step = (&'static str, fn(&mut dyn Progress) -> Result<()>);
 
-const STEPS: [Step; 8] = [
+const STEPS: [Step; 9] = [
     ("structure of the sources", structure::check),
     ("formatting", formatting),
     ("lints on the host", lints_on_host),
     ("lints on the target", lints_on_target),
     ("tests of firmware, drivers and configuration", quick_tests),
+    ("instructions and their limits", bench::check),
     ("firmware and its budgets", budget::check),
     (
         "tests of emulated board, flights and replays",
@@ -56,8 +58,9 @@ fn lints_on_host(progress: &mut dyn Progress) -> Result<()> {
 
 fn lints_on_target(progress: &mut dyn Progress) -> Result<()> {
     toolchain::ensure_target(progress)?;
-    let line =
-        format!("clippy -p reflex -p reflex-drivers --release --target {TARGET} -- -D warnings");
+    let line = format!(
+        "clippy -p reflex -p reflex-drivers -p reflex-bench --release --target {TARGET} -- -D warnings"
+    );
     cargo(&words(&line), progress)
 }
 

@@ -8,7 +8,7 @@ use super::about::SampleCount;
 use super::observation::Observation;
 use super::{chip_options, length_ns};
 use crate::board::emulated::{EmulatedBoard, Sensors};
-use crate::board::{Board, Elf, Options, Outcome};
+use crate::board::{Board, Elf, Observer, Options, Outcome, Watched};
 use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
 use crate::chips::{Mpu6050, StimulusSource};
 use crate::firmware::Firmware;
@@ -25,7 +25,7 @@ const STEP_NS: u64 = 20_000_000;
 pub(super) const HANDLERS: [&str; 3] = ["EXTI0", "DMA1_STREAM0", "CAN2_TX"];
 
 /// Everything that is on the table.
-pub(super) struct TestBench {
+pub(crate) struct TestBench {
     board: Option<Box<EmulatedBoard>>,
     pub(super) accel: Arc<Mutex<Accelerometer>>,
     pub(super) mag: Arc<Mutex<Magnetometer>>,
@@ -37,10 +37,11 @@ pub(super) struct TestBench {
 
 impl TestBench {
     /// Builds the chips, boots the board and schedules the link's frames.
-    pub(super) fn new(
+    pub(crate) fn new(
         flight: &Flight,
         options: &ReplayOptions,
         firmware: &Firmware,
+        watches: Vec<Watched>,
     ) -> Result<Self> {
         let at_rest = Bench::default();
         let source: Arc<dyn StimulusSource> = Arc::new(FlightStimulus::new(flight, at_rest));
@@ -59,7 +60,7 @@ impl TestBench {
         let elf = Arc::new(Elf::parse(firmware.bytes.clone())?);
         let board_options = Options {
             settings: Some(options.settings.to_bytes().to_vec()),
-            watches: HANDLERS.map(String::from).to_vec(),
+            watches,
             ..Options::default()
         };
         let mut board = EmulatedBoard::boot(&elf, sensors, &board_options)?;
@@ -87,9 +88,9 @@ impl TestBench {
     }
 
     /// Runs to the end of the flight.
-    pub(super) fn run(
+    pub(crate) fn run(
         &mut self,
-        observation: &mut Observation,
+        observer: &mut dyn Observer,
         progress: &mut dyn Progress,
     ) -> Result<()> {
         let Some(board) = &mut self.board else {
@@ -99,7 +100,7 @@ impl TestBench {
         let mut at_ns = 0;
         while at_ns < self.end_ns {
             at_ns = (at_ns + STEP_NS).min(self.end_ns);
-            board.run_until(at_ns, observation)?;
+            board.run_until(at_ns, observer)?;
             self.samples.push(SampleCount {
                 at_ns,
                 accel: held(&self.accel).samples(),
@@ -116,6 +117,11 @@ impl TestBench {
     /// Takes the board off the table and says what can only be measured at the end.
     pub(super) fn finish(&mut self, observation: &mut Observation) -> Result<Outcome> {
         observation.flush()?;
+        self.end()
+    }
+
+    /// As [`Self::finish`], for one whose observer writes nothing.
+    pub(crate) fn end(&mut self) -> Result<Outcome> {
         let board = self.board.take().expect("finished once");
         Ok(board.finish()?)
     }

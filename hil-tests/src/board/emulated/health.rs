@@ -30,6 +30,7 @@ pub(super) struct Health {
     elf: Arc<Elf>,
     boot_limit_ns: u64,
     silence_limit_ns: u64,
+    flies: bool,
     /// Set by an arrival at a fatal handler.
     condemned: Option<FaultKind>,
     /// Address and program counter of the first access to a hole.
@@ -47,6 +48,7 @@ impl Health {
             elf,
             boot_limit_ns: options.boot_limit_ns,
             silence_limit_ns: options.silence_limit_ns,
+            flies: options.flies,
             condemned: None,
             bus_error: None,
             started_ns: None,
@@ -126,6 +128,9 @@ impl Health {
     }
 
     fn lifeless(&self, now_ns: u64) -> Option<FaultKind> {
+        if !self.flies {
+            return None;
+        }
         if self.started_ns.is_none() {
             let limit_ns = self.boot_limit_ns;
             return (now_ns > limit_ns).then_some(FaultKind::NeverStarted { limit_ns });

@@ -40,7 +40,7 @@ pub(super) struct RunLoop {
     stack: Range<u32>,
     watches: Vec<u64>,
     fatal: Vec<(u64, FaultKind)>,
-    calls: CallLog,
+    calls: Option<CallLog>,
     log: RttLog,
     motors: VectorGatherer,
     health: Health,
@@ -65,7 +65,8 @@ impl RunLoop {
         let watches = options
             .watches
             .iter()
-            .map(|name| Ok(u64::from(elf.code(name)?)));
+            .map(|place| Ok(u64::from(elf.place_of(place)?)));
+        let calls = options.flies.then(|| elf.symbol(CALLS_SYMBOL));
         let fatal = FATAL
             .into_iter()
             .map(|(name, fault)| Ok((u64::from(elf.code(name)?), fault)));
@@ -77,7 +78,7 @@ impl RunLoop {
             stack: elf.stack()?,
             watches: watches.collect::<Result<_>>()?,
             fatal: fatal.collect::<Result<_>>()?,
-            calls: CallLog::new(elf.symbol(CALLS_SYMBOL)?),
+            calls: calls.transpose()?.map(CallLog::new),
             log: RttLog::new(elf.symbol("_SEGGER_RTT")?),
             motors: VectorGatherer::default(),
             health: Health::new(Arc::clone(elf), options),
@@ -121,7 +122,9 @@ impl RunLoop {
         let mut memory = Memory(host);
         let rings = self.log.read(&mut memory).and_then(|log| {
             batch.log = log;
-            batch.calls = self.calls.read(&mut memory)?;
+            if let Some(calls) = &mut self.calls {
+                batch.calls = calls.read(&mut memory)?;
+            }
             Ok(())
         });
         let full = memory.is_full(&self.stack);

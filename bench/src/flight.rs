@@ -1,0 +1,141 @@
+//! What is done with a sample, run or no run.
+
+use core::hint::black_box;
+
+use oorandom::Rand32;
+use reflex::config::{GYRO, MOTORS};
+use reflex::control::Setpoint;
+use reflex::estimate::{Arrival, Increment};
+use reflex::graph::Cascade;
+use reflex::math::Vec3;
+use reflex::reactive::{Held, Label, Labels, Lead, Rule, ShadowHolds};
+use reflex::sensors::{GRAVITY, ImuSample};
+use reflex::settings::{Pairs, Reference};
+use reflex::time::{at_micros, micros};
+use reflex::units::{BodyRates, SpecificForce, Thrust};
+use reflex_bench::{ARRIVAL, FADE, FORESEE, HOLDS, LABEL, RUN};
+
+use crate::program::{measured, rounds};
+
+pub fn measure() {
+    arrival();
+    runs();
+    holds();
+    labels();
+}
+
+/// Samples of a lively flight at 1 kHz.
+struct Samples(Rand32);
+
+impl Samples {
+    fn new() -> Self {
+        Self(Rand32::new(1))
+    }
+
+    fn around(&mut self, middle: f32, by: f32) -> f32 {
+        middle + by * (2.0 * self.0.rand_float() - 1.0)
+    }
+
+    fn axes(&mut self, by: f32) -> Vec3 {
+        Vec3::new(
+            self.around(0.0, by),
+            self.around(0.0, by),
+            self.around(0.0, by),
+        )
+    }
+
+    fn next(&mut self, round: usize) -> ImuSample {
+        ImuSample {
+            at: at_micros(1000 * round as u64),
+            rates: BodyRates(self.axes(2.0)),
+            force: SpecificForce(self.axes(1.0) - Vec3::new(0.0, 0.0, GRAVITY)),
+        }
+    }
+}
+
+fn arrival() {
+    let (mut arrival, mut samples) = (Arrival::default(), Samples::new());
+    assert!(arrival.take(&samples.next(0)));
+    rounds(ARRIVAL, |round| {
+        let sample = samples.next(round + 1);
+        let (arrival, sample) = black_box((&mut arrival, &sample));
+        assert!(measured(|| arrival.take(sample)));
+    });
+}
+
+fn runs() {
+    let (mut arrival, mut samples) = (Arrival::default(), Samples::new());
+    let mut graph = Cascade::default();
+    let thrust = Thrust::new(0.5).unwrap_or(Thrust::ZERO);
+    graph.set_setpoint(Setpoint::level(thrust), &Increment::default());
+    graph.propagate();
+    assert!(arrival.take(&samples.next(0)));
+    rounds(FORESEE, |round| {
+        let sample = samples.next(round + 1);
+        assert!(arrival.take(&sample));
+        let motion = arrival.motion();
+        let (graph, motion) = black_box((&mut graph, &motion));
+        measured(|| graph.foresee(motion, Some(0.01)));
+    });
+    arrival.take_motion();
+    rounds(RUN, |round| {
+        let sample = samples.next(FORESEE.rounds + round + 1);
+        assert!(arrival.take(&sample));
+        let motion = arrival.take_motion();
+        let (graph, motion) = black_box((&mut graph, &motion));
+        measured(|| {
+            graph.set_motion(motion, Some(0.01));
+            graph.propagate()
+        });
+    });
+}
+
+fn holds() {
+    let mut holds = ShadowHolds::new(&GYRO.changes);
+    let mut labels = Labels::new(&GYRO.changes);
+    let rule = Rule {
+        reference: Reference::LastRun,
+        pairs: Pairs::FirstCrossings,
+        quantum: 1.0 / 255.0,
+        failsafe: micros(100_000),
+    };
+    let mut samples = Samples::new();
+    rounds(HOLDS, |round| {
+        let rates = samples.axes(2.0);
+        let newest = Held {
+            sample: rates,
+            command: core::array::from_fn::<_, MOTORS, _>(|_| samples.around(0.5, 0.01)),
+            rates,
+        };
+        let now = at_micros(1000 * round as u64);
+        let (holds, newest, rule) = black_box((&mut holds, &newest, &rule));
+        let (lead, labels) = black_box((&Lead::Command(0.018), &mut labels));
+        measured(|| holds.take(now, newest, rule, lead, labels));
+    });
+}
+
+fn labels() {
+    let mut labels = Labels::new(&GYRO.changes);
+    let mut samples = Samples::new();
+    rounds(LABEL, |round| {
+        let label = label(&mut samples, round);
+        let (labels, label) = black_box((&mut labels, &label));
+        measured(|| labels.add(label));
+    });
+    rounds(FADE, |round| {
+        let label = label(&mut samples, round);
+        let (labels, label) = black_box((&mut labels, &label));
+        measured(|| {
+            labels.fade(black_box(0.975));
+            labels.add(label);
+        });
+    });
+}
+
+fn label(samples: &mut Samples, round: usize) -> Label {
+    Label {
+        x: samples.around(2.0, 2.0),
+        changed: round % 3 == 0,
+        weight: 1.0,
+    }
+}

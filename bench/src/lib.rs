@@ -1,0 +1,74 @@
+//! The parts that are measured, in order: shared by the program and its reader.
+#![cfg_attr(target_os = "none", no_std)]
+#![forbid(unsafe_code)]
+
+/// One part: what it is, and how often it is measured on other inputs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// As the table says it.
+    pub name: &'static str,
+    /// Measurements, of which the dearest counts.
+    pub rounds: usize,
+    /// Most instructions that it may cost.
+    pub limit: Option<u64>,
+}
+
+/// A test of a sample against a threshold is to cost nothing against the run that it saves.
+const TRIGGER_LIMIT: u64 = 60;
+/// A refit is to be done in idle between two samples of the gyroscope, more or less: 1.2 ms.
+const REFIT_LIMIT: u64 = 200_000;
+
+const fn part(name: &'static str, rounds: usize, limit: Option<u64>) -> Part {
+    Part {
+        name,
+        rounds,
+        limit,
+    }
+}
+
+/// The pair of marks with nothing between: what is taken off every other part.
+pub const NOTHING: Part = part("nothing", 4, None);
+/// A sample of three axes that changed less than its threshold.
+pub const AXES_BELOW: Part = part("trigger test, three axes, below", 32, Some(TRIGGER_LIMIT));
+/// A sample of three axes that changed more.
+pub const AXES_ABOVE: Part = part("trigger test, three axes, above", 32, Some(TRIGGER_LIMIT));
+/// A foreseen command that changed less than its threshold.
+pub const COMMAND_BELOW: Part = part("trigger test, command, below", 32, Some(TRIGGER_LIMIT));
+/// A foreseen command that changed more.
+pub const COMMAND_ABOVE: Part = part("trigger test, command, above", 32, Some(TRIGGER_LIMIT));
+/// `Arrival::take`.
+pub const ARRIVAL: Part = part("arrival of one IMU sample", 64, None);
+/// `Cascade::foresee`.
+pub const FORESEE: Part = part("foreseeing the command", 64, None);
+/// `Cascade::set_motion` and `propagate`.
+pub const RUN: Part = part("run, from motion to command", 64, None);
+/// `ShadowHolds::take`, all candidates.
+pub const HOLDS: Part = part("shadow holds of one input, one sample", 256, None);
+/// `Labels::add`.
+pub const LABEL: Part = part("adding one label", 64, None);
+/// `Labels::fade`, and the `Labels::add` that settles it.
+pub const FADE: Part = part("forgetting, with the label after it", 4, None);
+/// `Decision::set_fit`.
+pub const SWAP: Part = part("swapping a model in", 16, None);
+/// `RefitJob::fit` on what a flight brings.
+pub const REFIT: Part = part("refit, typical labels", 16, Some(REFIT_LIMIT));
+/// `RefitJob::fit` on what a search for the dearest labels brings.
+pub const WORST_REFIT: Part = part("refit, dearest labels found", 1024, Some(REFIT_LIMIT));
+
+/// All of them, in the order in which the program measures.
+pub const PARTS: [Part; 14] = [
+    NOTHING,
+    AXES_BELOW,
+    AXES_ABOVE,
+    COMMAND_BELOW,
+    COMMAND_ABOVE,
+    ARRIVAL,
+    FORESEE,
+    RUN,
+    HOLDS,
+    LABEL,
+    FADE,
+    SWAP,
+    REFIT,
+    WORST_REFIT,
+];

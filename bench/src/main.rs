@@ -1,0 +1,71 @@
+//! Runs the portable library's parts one by one between marks, for a core that counts.
+//!
+//! Whoever watches the function `mark` sees it called before and after each measurement, in the
+//! order of [`reflex_bench::PARTS`]. Inputs pass through `black_box`: nothing is computed ahead.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod flight;
+#[cfg(target_os = "none")]
+mod refits;
+#[cfg(target_os = "none")]
+mod triggers;
+
+/// Only the emulated core counts instructions.
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("This program is for the emulated core: see `cargo hil bench`.");
+}
+
+#[cfg(target_os = "none")]
+mod program {
+    use core::hint::black_box;
+
+    use defmt_rtt as _;
+    use panic_probe as _;
+    use reflex_bench::{NOTHING, Part};
+    use stm32f4xx_hal as _;
+
+    use crate::{flight, refits, triggers};
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        let mut core = cortex_m::Peripherals::take().expect("taken once");
+        core.DCB.enable_trace();
+        core.DWT.enable_cycle_counter();
+        rounds(NOTHING, |_| measured(|| ()));
+        triggers::measure();
+        flight::measure();
+        refits::measure();
+        done();
+        loop {
+            cortex_m::asm::wfi();
+        }
+    }
+
+    /// Measures a part as often as it asks for.
+    pub fn rounds(part: Part, each: impl FnMut(usize)) {
+        (0..part.rounds).for_each(each);
+    }
+
+    /// Calls what is measured between two marks.
+    #[inline(always)]
+    pub fn measured<T>(call: impl FnOnce() -> T) -> T {
+        mark();
+        let result = black_box(call());
+        mark();
+        result
+    }
+
+    /// The instant that is watched.
+    #[inline(never)]
+    fn mark() {
+        black_box(());
+    }
+
+    /// Nothing is measured any more.
+    #[inline(never)]
+    fn done() {
+        black_box(true);
+    }
+}

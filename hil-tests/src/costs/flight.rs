@@ -1,0 +1,237 @@
+//! The firmware while it flies: its handlers, from interrupt to motors, its locks.
+
+use anyhow::{Result, ensure};
+
+use super::activations::{Activation, Activations, Instant, returns};
+use super::locks::{LockPlaces, Locks};
+use super::table::{Cost, Memory};
+use super::{CORE_HZ, SWAP_LIMIT};
+use crate::board::{Elf, Hit, MotorWrite, Observer, Watched};
+use crate::firmware::Firmware;
+use crate::progress::Progress;
+use crate::replay::{TestBench, open_flight};
+use crate::replay_options::ReplayOptions;
+
+/// Seconds of the default flight: warm-up, reactive control, dozens of refits.
+const LENGTH_S: f64 = 12.0;
+
+/// Handlers and what they do, as the table at the head of the firmware's `main.rs` has them.
+const HANDLERS: [(&str, &str); 14] = [
+    ("EXTI0", "IMU interrupt"),
+    ("I2C1_EV", "step of a burst"),
+    ("DMA1_STREAM0", "IMU sample"),
+    ("CAN2_TX", "hyperperiod"),
+    ("EXTI1", "accelerometer's interrupt"),
+    ("EXTI2", "magnetometer's interrupt"),
+    ("I2C1_ER", "burst failed"),
+    ("CAN1_RX1", "failsafe, late hyperperiod"),
+    ("CAN2_RX0", "chips"),
+    ("USART2", "link"),
+    ("DMA1_STREAM5", "link"),
+    ("DMA1_STREAM6", "link sent"),
+    ("CAN1_RX0", "heartbeat"),
+    ("TIM5", "clock"),
+];
+/// Numbers of those on the way from the interrupt to the motors.
+const INTERRUPT: usize = 0;
+const END_OF_WAY: usize = 3;
+/// Handlers that are told of.
+const TOLD: usize = 4;
+
+/// What is at a watched place.
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    Entry(usize),
+    Return(usize),
+    Raise,
+    Lower,
+    Swap,
+}
+
+/// What was measured.
+pub(super) struct Flown {
+    pub(super) parts: Vec<Cost>,
+    pub(super) locks: Vec<Cost>,
+    pub(super) memory: Memory,
+}
+
+/// Everything seen while the firmware flies.
+struct Watcher {
+    places: Vec<Place>,
+    activations: Activations,
+    locks: Locks,
+    own: [Vec<u64>; HANDLERS.len()],
+    way: Way,
+    ways: Vec<Way>,
+    writes_ns: Vec<u64>,
+}
+
+/// From an interrupt of the IMU to the end of its hyperperiod.
+#[derive(Clone, Copy, Debug, Default)]
+struct Way {
+    start_ns: u64,
+    handled: u64,
+    /// The last handler.
+    end_ns: [u64; 2],
+}
+
+/// Flies the default flight for some seconds.
+pub(super) fn measure(firmware: &Firmware, progress: &mut dyn Progress) -> Result<Flown> {
+    let options = ReplayOptions {
+        duration_s: Some(LENGTH_S),
+        ..ReplayOptions::default()
+    };
+    let (flight, path) = open_flight(&options)?;
+    let (watches, places) = watched(&Elf::parse(firmware.bytes.clone())?)?;
+    let mut watcher = Watcher {
+        places,
+        activations: Activations::default(),
+        locks: Locks::default(),
+        own: Default::default(),
+        way: Way::default(),
+        ways: Vec::new(),
+        writes_ns: Vec::new(),
+    };
+    let mut bench = TestBench::new(&flight, &options, firmware, watches)?;
+    progress.stage(&format!("Counting a flight of {}", path.display()));
+    bench.run(&mut watcher, progress)?;
+    let outcome = bench.end()?;
+    // Two priorities above idle's are all that may be open where the flight was cut off.
+    ensure!(
+        watcher.activations.depth() <= 2,
+        "a handler was entered and never returned"
+    );
+    ensure!(
+        !watcher.locks.swaps.is_empty(),
+        "no model was swapped in {LENGTH_S} s"
+    );
+    Ok(Flown {
+        parts: watcher.parts(),
+        locks: watcher.locks(),
+        memory: Memory {
+            flash: firmware.sizes.flash_bytes,
+            ram: firmware.sizes.ram_bytes,
+            stack: outcome.stack.used,
+        },
+    })
+}
+
+/// The places to watch, with what is there.
+fn watched(elf: &Elf) -> Result<(Vec<Watched>, Vec<Place>)> {
+    let mut all: Vec<(u32, Place)> = Vec::new();
+    for (number, (handler, _)) in HANDLERS.iter().enumerate() {
+        let entry = elf.code(handler)?;
+        let returns = returns(elf, entry)?;
+        ensure!(!returns.is_empty(), "{handler} never returns");
+        all.push((entry, Place::Entry(number)));
+        all.extend(returns.into_iter().map(|at| (at, Place::Return(number))));
+    }
+    let locks = LockPlaces::of(elf, elf.function(&["reflex", "app", "idle"])?)?;
+    all.extend(locks.raise.into_iter().map(|at| (at, Place::Raise)));
+    all.extend(locks.lower.into_iter().map(|at| (at, Place::Lower)));
+    all.push((elf.function(&["on_refit"])?, Place::Swap));
+    Ok(all
+        .into_iter()
+        .map(|(at, place)| (Watched::Address(at), place))
+        .unzip())
+}
+
+impl Observer for Watcher {
+    fn motors(&mut self, write: &MotorWrite) {
+        self.writes_ns.push(write.at_ns);
+    }
+
+    fn hit(&mut self, hit: Hit) {
+        let at = Instant {
+            ns: hit.at_ns,
+            instructions: hit.instructions,
+        };
+        let handled = self.activations.handled();
+        match self.places[hit.watch] {
+            Place::Entry(handler) => self.activations.enter(handler, at),
+            Place::Return(handler) => {
+                if let Some(activation) = self.activations.leave(handler, at) {
+                    self.take(&activation);
+                }
+            }
+            Place::Raise if self.activations.is_idle() => self.locks.raise(at, handled),
+            Place::Lower if self.activations.is_idle() => self.locks.lower(at, handled),
+            Place::Swap => self.locks.swap(),
+            Place::Raise | Place::Lower => {}
+        }
+    }
+}
+
+impl Watcher {
+    fn take(&mut self, activation: &Activation) {
+        self.own[activation.handler].push(activation.own);
+        match activation.handler {
+            INTERRUPT => {
+                self.way = Way {
+                    start_ns: activation.entered.ns,
+                    handled: activation.own,
+                    end_ns: [0; 2],
+                }
+            }
+            ..END_OF_WAY => self.way.handled += activation.own,
+            END_OF_WAY => {
+                self.way.handled += activation.own;
+                self.way.end_ns = [activation.entered.ns, activation.left_ns];
+                self.ways.push(self.way);
+            }
+            _ => {}
+        }
+    }
+
+    fn parts(&self) -> Vec<Cost> {
+        let handlers = HANDLERS.iter().zip(&self.own).take(TOLD);
+        let mut parts: Vec<Cost> = handlers
+            .map(|((handler, what), own)| {
+                Cost::of(&format!("{handler}, {what}"), own.clone(), None, CORE_HZ)
+            })
+            .collect();
+        parts.push(self.interrupt_to_motors());
+        parts
+    }
+
+    /// Handlers from the interrupt to the end of hyperperiods that wrote the motors.
+    fn interrupt_to_motors(&self) -> Cost {
+        let written = |way: &Way| {
+            let [from, to] = way.end_ns;
+            let last = self.writes_ns.partition_point(|at| *at <= to);
+            let at = *self.writes_ns.get(last.checked_sub(1)?)?;
+            (at >= from).then(|| at - way.start_ns)
+        };
+        let ways: Vec<_> = self
+            .ways
+            .iter()
+            .filter_map(|way| Some((way.handled, written(way)?)))
+            .collect();
+        let longest_ns = ways.iter().map(|way| way.1).max().unwrap_or(0);
+        let counts = ways.iter().map(|way| way.0).collect();
+        let cost = Cost::of(
+            "from interrupt to motors, all handlers",
+            counts,
+            None,
+            CORE_HZ,
+        );
+        Cost {
+            // Most of it the bus, while the core sleeps.
+            virtual_us: longest_ns as f64 * 1e-3,
+            ..cost
+        }
+    }
+
+    fn locks(&self) -> Vec<Cost> {
+        let Locks { swaps, others, .. } = &self.locks;
+        vec![
+            Cost::of(
+                "lock that swaps a model",
+                swaps.clone(),
+                Some(SWAP_LIMIT),
+                CORE_HZ,
+            ),
+            Cost::of("any other lock of idle", others.clone(), None, CORE_HZ),
+        ]
+    }
+}

@@ -1,0 +1,49 @@
+//! What the firmware costs: instructions on the emulated core, memory, locks.
+//!
+//! | file | measures |
+//! |---|---|
+//! | `parts` | parts of the library one by one, in a program of their own |
+//! | `flight` | the firmware while it flies: handlers, interrupt to motors, locks |
+//! | `activations`, `locks` | who executed which instructions; how long idle holds a lock |
+//! | `table` | all of it, against its limits |
+//!
+//! The core counts every instruction as one cycle, and every run is the same: numbers are exact,
+//! and lower bounds of the cycles on silicon.
+
+mod activations;
+mod flight;
+mod locks;
+mod parts;
+mod table;
+#[cfg(test)]
+mod tests;
+
+use anyhow::Result;
+
+pub use table::{Cost, Costs, Memory};
+
+use crate::firmware::Firmware;
+use crate::progress::Progress;
+
+/// Instructions of the emulated core in a second, one a cycle.
+pub const CORE_HZ: u64 = 168_000_000;
+/// Most instructions under the lock that swaps a model: 5 us, in which no sample is late.
+const SWAP_LIMIT: u64 = 840;
+
+/// Builds and measures everything.
+///
+/// # Errors
+/// A program that cannot be built, a fault of the board, or a program that is not as expected.
+pub fn measure(progress: &mut dyn Progress) -> Result<Costs> {
+    let program = Firmware::build_parts(progress)?;
+    let mut parts = parts::measure(program, progress)?;
+    let firmware = Firmware::build(progress)?;
+    let flown = flight::measure(&firmware, progress)?;
+    parts.extend(flown.parts);
+    Ok(Costs {
+        core_hz: CORE_HZ,
+        parts,
+        firmware: flown.memory,
+        locks: flown.locks,
+    })
+}

@@ -1,0 +1,99 @@
+//! Parts of the library one by one, between the marks of a program that only measures.
+
+use std::sync::{Arc, Mutex};
+
+use anyhow::{Result, ensure};
+use reflex_bench::{NOTHING, PARTS};
+
+use super::CORE_HZ;
+use super::table::Cost;
+use crate::board::emulated::{EmulatedBoard, Sensors};
+use crate::board::{Board, Elf, Hit, Observer, Options, Watched};
+use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
+use crate::chips::{ChipOptions, Mpu6050, Stimulus, StimulusSource};
+use crate::firmware::Firmware;
+use crate::progress::Progress;
+
+/// Places that are watched, in the order of their numbers.
+const MARK: usize = 0;
+const DONE: usize = 1;
+
+/// How far the program runs between two looks at it, and how far at most, ns.
+const STEP_NS: u64 = 20_000_000;
+const LONGEST_NS: u64 = 20_000_000_000;
+
+/// Instructions at each mark.
+#[derive(Default)]
+struct Marks {
+    at: Vec<u64>,
+    done: bool,
+}
+
+impl Observer for Marks {
+    fn hit(&mut self, hit: Hit) {
+        match hit.watch {
+            MARK => self.at.push(hit.instructions),
+            DONE => self.done = true,
+            _ => {}
+        }
+    }
+}
+
+/// Runs the program and counts.
+pub(super) fn measure(program: Firmware, progress: &mut dyn Progress) -> Result<Vec<Cost>> {
+    progress.stage("Counting the parts");
+    let elf = Arc::new(Elf::parse(program.bytes)?);
+    let options = Options {
+        watches: vec![
+            Watched::Address(elf.function(&["program", "mark"])?),
+            Watched::Address(elf.function(&["program", "done"])?),
+        ],
+        flies: false,
+        ..Options::default()
+    };
+    let mut board = EmulatedBoard::boot(&elf, at_rest(), &options)?;
+    let (mut marks, expected) = (Marks::default(), expected());
+    while !marks.done && board.now_ns() < LONGEST_NS {
+        board.run_until(board.now_ns() + STEP_NS, &mut marks)?;
+        progress.done(marks.at.len() as f64, expected as f64);
+    }
+    ensure!(
+        marks.done && marks.at.len() == expected,
+        "the parts ended at mark {} of {expected}",
+        marks.at.len()
+    );
+    Ok(costs(&marks.at))
+}
+
+/// Marks that all parts make.
+fn expected() -> usize {
+    PARTS.iter().map(|part| 2 * part.rounds).sum()
+}
+
+/// Instructions between each pair of marks, less those of a pair with nothing between.
+fn costs(marks: &[u64]) -> Vec<Cost> {
+    let mut pairs = marks.chunks_exact(2).map(|pair| pair[1] - pair[0]);
+    let mut nothing = 0;
+    let mut costs = Vec::new();
+    for part in PARTS {
+        let counts: Vec<u64> = pairs.by_ref().take(part.rounds).collect();
+        if part == NOTHING {
+            nothing = counts.into_iter().min().unwrap_or(0);
+            continue;
+        }
+        let counts = counts.iter().map(|count| count.saturating_sub(nothing));
+        costs.push(Cost::of(part.name, counts.collect(), part.limit, CORE_HZ));
+    }
+    costs
+}
+
+/// Chips that nobody talks to.
+fn at_rest() -> Sensors {
+    let source: Arc<dyn StimulusSource> = Arc::new(|_| Stimulus::default());
+    let options = ChipOptions::default();
+    Sensors {
+        imu: Arc::new(Mutex::new(Mpu6050::new(Arc::clone(&source), options))),
+        accel: Arc::new(Mutex::new(Accelerometer::new(Arc::clone(&source), options))),
+        mag: Arc::new(Mutex::new(Magnetometer::new(source, options))),
+    }
+}
