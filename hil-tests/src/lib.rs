@@ -5,6 +5,7 @@
 //! - [`flights`]: recorded flights, as stimulus, setpoints and link frames
 //! - [`replay`]: puts the three together; [`scoring`] judges what happened
 //! - [`native`]: the same flights without the emulator, a hundred times as fast
+//! - [`sweep`]: many of those over a grid of settings, drawn with [`plot`]
 //! - [`firmware`]: builds and measures the ELF, with the [`toolchain`] it needs
 //! - [`commands`]: the command line of `cargo hil`
 
@@ -14,6 +15,7 @@ pub mod commands;
 pub mod firmware;
 pub mod flights;
 pub mod native;
+pub mod plot;
 pub mod progress;
 #[cfg(test)]
 mod recordings;
@@ -21,4 +23,5 @@ pub mod refusal;
 pub mod replay;
 pub mod replay_options;
 pub mod scoring;
+pub mod sweep;
 pub mod toolchain;
