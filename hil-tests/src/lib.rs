@@ -6,6 +6,7 @@
 //! - [`replay`]: puts the three together; [`scoring`] judges what happened
 //! - [`native`]: the same flights without the emulator, a hundred times as fast
 //! - [`costs`]: instructions, memory and locks of the firmware, against limits
+//! - [`sweep`]: many of those over a grid of settings, drawn with [`plot`]
 //! - [`firmware`]: builds and measures the ELF, with the [`toolchain`] it needs
 //! - [`commands`]: the command line of `cargo hil`
 
@@ -16,6 +17,7 @@ pub mod costs;
 pub mod firmware;
 pub mod flights;
 pub mod native;
+pub mod plot;
 pub mod progress;
 #[cfg(test)]
 mod recordings;
@@ -23,4 +25,5 @@ pub mod refusal;
 pub mod replay;
 pub mod replay_options;
 pub mod scoring;
+pub mod sweep;
 pub mod toolchain;

@@ -20,7 +20,7 @@ mod agenda;
 mod board;
 mod tasks;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod timing;
 mod wires;
 mod words;
@@ -33,6 +33,7 @@ use reflex::app::Stamped;
 use crate::chips::StimulusSource;
 use crate::flights::{Bench, Flight, FlightStimulus, Setpoints, schedule};
 use crate::progress::Progress;
+use crate::refusal::Refusal;
 use crate::replay::about::SampleCount;
 use crate::replay::story::Story;
 use crate::replay::{chip_options, length_ns, open_flight, sense};
@@ -124,7 +125,7 @@ fn tell<'c>(calls: &'c [Stamped], options: &ReplayOptions, name: &str) -> Result
     let start_us = clock(Bench::default().length_ns()).ticks();
     let story = Story::tell(calls, options.settings, start_us)?;
     if story.runs_in_the_air == 0 {
-        bail!("{name}: the drone never armed");
+        bail!(Refusal::new(format!("{name}: the drone never armed")));
     }
     Ok(story)
 }

@@ -8,6 +8,8 @@ mod bench;
 mod quantities;
 mod replay;
 mod replay_arguments;
+mod sweep_arguments;
+mod sweep_text;
 mod test;
 
 use std::ffi::OsString;
@@ -16,6 +18,9 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
+
+#[cfg(test)]
+pub(crate) use sweep_text::grid as grid_of;
 
 use crate::flights::FlightError;
 use crate::refusal::Refusal;

@@ -11,14 +11,16 @@ use reflex::settings::{
 use reflex::time::Duration;
 
 use super::quantities::{duration, inputs, number, share, warm_up};
+use super::sweep_arguments::SweepArguments;
 use crate::flights::Rotate;
 use crate::refusal::Refusal;
 use crate::replay_options::ReplayOptions;
+use crate::sweep::{Parameter, SweepOptions};
 
 /// What a replay is told. Defaults are those of `config/`; no option needs a rebuild.
 #[derive(Clone, Debug, Default, Args)]
 pub(super) struct ReplayArguments {
-    /// Recorded flight, ULog or CSV [default: the one that comes with the crate ulog-rs]
+    /// Recorded flight, ULog or CSV, or a folder of them with --sweep [default: the one that comes with the crate ulog-rs]
     #[arg(value_name = "LOG")]
     logs: Vec<PathBuf>,
     /// When control runs: when a sensor's change calls for it, or time-triggered
@@ -72,6 +74,8 @@ pub(super) struct ReplayArguments {
     /// Fly the same control logic on this computer, without firmware and emulator: 100 times as fast
     #[arg(long)]
     pub(super) native: bool,
+    #[command(flatten)]
+    pub(super) sweep: SweepArguments,
     /// Write the firmware's decoded log to this file
     #[arg(long, value_name = "FILE")]
     defmt: Option<PathBuf>,
@@ -136,12 +140,18 @@ impl ReplayArguments {
                 )));
             }
         };
+        self.check_sweep(log.as_deref())?;
         let settings = self.settings()?;
         self.check_duration(&settings)?;
         if let Some(file) = &self.defmt {
-            if self.native {
+            let native = match (&self.sweep.sweep, self.native) {
+                (Some(_), _) => "--sweep, which is native",
+                (None, true) => "--native",
+                (None, false) => "",
+            };
+            if !native.is_empty() {
                 return Err(Refusal::new(format!(
-                    "--defmt {}: only the firmware writes a log, leave out --native",
+                    "--defmt {}: only the firmware writes a log, leave out {native}",
                     file.display()
                 )));
             }
@@ -155,6 +165,31 @@ impl ReplayArguments {
             noise: self.noise == NoiseName::Datasheet,
             defmt: self.defmt.clone(),
         })
+    }
+
+    /// The options of a sweep, where one is asked for.
+    ///
+    /// # Errors
+    /// As [`ReplayArguments::options`].
+    pub(super) fn sweep_options(&self) -> Result<Option<SweepOptions>, Refusal> {
+        let Some(grid) = self.sweep.sweep.clone() else {
+            return Ok(None);
+        };
+        Ok(Some(SweepOptions {
+            replay: self.options()?,
+            grid,
+            threads: 0,
+        }))
+    }
+
+    fn check_sweep(&self, log: Option<&Path>) -> Result<(), Refusal> {
+        let single = [
+            (Parameter::PRun, self.p_run.is_some()),
+            (Parameter::Failsafe, self.failsafe.is_some()),
+            (Parameter::Quantum, self.quantum.is_some()),
+        ];
+        let by_clock = self.rate.is_some() || self.chosen_policy() == PolicyName::Periodic;
+        self.sweep.check(log, &single, by_clock)
     }
 
     fn settings(&self) -> Result<Settings, Refusal> {
@@ -197,13 +232,17 @@ impl ReplayArguments {
         Ok(settings)
     }
 
-    /// The policy, once no option of the other one is named.
-    fn policy(&self) -> Result<Policy, Refusal> {
-        let chosen = self.policy.unwrap_or(match Settings::default().policy {
+    /// The policy by name, the configured one where none is given.
+    fn chosen_policy(&self) -> PolicyName {
+        self.policy.unwrap_or(match Settings::default().policy {
             Policy::Reactive => PolicyName::Reactive,
             Policy::Periodic(_) => PolicyName::Periodic,
-        });
-        if chosen == PolicyName::Reactive {
+        })
+    }
+
+    /// The policy, once no option of the other one is named.
+    fn policy(&self) -> Result<Policy, Refusal> {
+        if self.chosen_policy() == PolicyName::Reactive {
             return match self.rate {
                 None => Ok(Policy::Reactive),
                 Some(rate) => Err(Refusal::new(format!(

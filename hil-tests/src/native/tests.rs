@@ -13,8 +13,8 @@ use crate::recordings::recording;
 use crate::replay::about::accel_threshold;
 use crate::scoring::Tier;
 
-/// A flight in gusts that come and go, of `seconds` at 500 Hz, by formula.
-fn gusts(seconds: u64) -> Flight {
+/// The log of a flight in gusts that come and go, of `seconds` at 500 Hz, by formula.
+pub(crate) fn log_of_gusts(seconds: u64) -> String {
     let mut text = String::from("t_us,gx,gy,gz,ax,ay,az,mx,my,mz\n");
     for step in 0..seconds * 500 {
         let t = step as f64 / 500.0;
@@ -37,8 +37,13 @@ fn gusts(seconds: u64) -> Flight {
         )
         .expect("a string takes everything");
     }
+    text
+}
+
+/// That flight.
+fn gusts(seconds: u64) -> Flight {
     let rotate = Rotate::Named(Rotation::NONE);
-    Flight::of_bytes("gusts.csv".into(), text.as_bytes(), rotate)
+    Flight::of_bytes("gusts.csv".into(), log_of_gusts(seconds).as_bytes(), rotate)
         .unwrap_or_else(|fault| panic!("{fault:?}"))
 }
 

@@ -65,7 +65,10 @@ impl Known<'_, '_> {
                 Policy::Periodic(_) => "periodic".into(),
             },
             seed: u64::from(self.options.settings.seed),
-            options: self.options(),
+            options: options_in_effect(
+                self.options,
+                format!("{} ({})", self.flight.rotation, self.flight.rotation_reason),
+            ),
             setpoint: self.setpoint(),
             gaps: self.gaps(),
             firmware: None,
@@ -76,55 +79,6 @@ impl Known<'_, '_> {
             board: None,
             counters: self.counters(),
             digest,
-        }
-    }
-
-    fn options(&self) -> Options {
-        let settings = &self.options.settings;
-        let seconds = |span: reflex::time::Duration| span.ticks() as f64 / 1e6;
-        Options {
-            rate_hz: match settings.policy {
-                Policy::Reactive => None,
-                Policy::Periodic(period) => Some(1.0 / seconds(period)),
-            },
-            reference: match settings.reference {
-                Reference::PreviousSample => "previous-sample".into(),
-                Reference::LastRun => "last-run".into(),
-            },
-            triggers: Input::ALL
-                .into_iter()
-                .filter(|input| settings.triggers.contains(*input))
-                .map(|input| input.key().into())
-                .collect(),
-            pairs: match settings.pairs {
-                Pairs::FirstCrossings => "first-crossings".into(),
-                Pairs::WeightedLags => "weighted-lags".into(),
-                Pairs::Published => "published".into(),
-            },
-            feedback: match settings.feedback {
-                Feedback::Every => "every".into(),
-                Feedback::Published => "published".into(),
-            },
-            p_run: short(settings.p_run),
-            warm_up_s: match settings.warm_up {
-                WarmUp::Automatic => None,
-                WarmUp::Fixed(length) => Some(seconds(length)),
-            },
-            warm_up_rate_hz: 1.0 / seconds(settings.warm_up_period),
-            failsafe_s: seconds(settings.failsafe),
-            quantum: short(settings.quantum),
-            motors: match settings.motors {
-                MotorProtocol::OneShot125 => "oneshot125".into(),
-                MotorProtocol::Pwm => "pwm".into(),
-            },
-            rotate: format!("{} ({})", self.flight.rotation, self.flight.rotation_reason),
-            noise: if self.options.noise {
-                "datasheet"
-            } else {
-                "none"
-            }
-            .into(),
-            duration_s: self.options.duration_s,
         }
     }
 
@@ -266,8 +220,53 @@ impl Known<'_, '_> {
     }
 }
 
+/// The options of a replay as the report spells them; `rotate` says how the log was turned.
+pub(crate) fn options_in_effect(options: &ReplayOptions, rotate: String) -> Options {
+    let settings = &options.settings;
+    let seconds = |span: reflex::time::Duration| span.ticks() as f64 / 1e6;
+    Options {
+        rate_hz: match settings.policy {
+            Policy::Reactive => None,
+            Policy::Periodic(period) => Some(1.0 / seconds(period)),
+        },
+        reference: match settings.reference {
+            Reference::PreviousSample => "previous-sample".into(),
+            Reference::LastRun => "last-run".into(),
+        },
+        triggers: Input::ALL
+            .into_iter()
+            .filter(|input| settings.triggers.contains(*input))
+            .map(|input| input.key().into())
+            .collect(),
+        pairs: match settings.pairs {
+            Pairs::FirstCrossings => "first-crossings".into(),
+            Pairs::WeightedLags => "weighted-lags".into(),
+            Pairs::Published => "published".into(),
+        },
+        feedback: match settings.feedback {
+            Feedback::Every => "every".into(),
+            Feedback::Published => "published".into(),
+        },
+        p_run: short(settings.p_run),
+        warm_up_s: match settings.warm_up {
+            WarmUp::Automatic => None,
+            WarmUp::Fixed(length) => Some(seconds(length)),
+        },
+        warm_up_rate_hz: 1.0 / seconds(settings.warm_up_period),
+        failsafe_s: seconds(settings.failsafe),
+        quantum: short(settings.quantum),
+        motors: match settings.motors {
+            MotorProtocol::OneShot125 => "oneshot125".into(),
+            MotorProtocol::Pwm => "pwm".into(),
+        },
+        rotate,
+        noise: if options.noise { "datasheet" } else { "none" }.into(),
+        duration_s: options.duration_s,
+    }
+}
+
 /// A float as it was written, without the digits that its binary form adds.
-fn short(value: f32) -> f64 {
+pub(crate) fn short(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }
 

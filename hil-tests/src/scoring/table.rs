@@ -4,7 +4,7 @@ use std::fmt;
 
 /// Rows of cells: the first column reads from the left, every other ends at the right.
 #[derive(Default)]
-pub(super) struct Table {
+pub(crate) struct Table {
     rows: Vec<Vec<String>>,
 }
 

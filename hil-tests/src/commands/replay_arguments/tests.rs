@@ -59,6 +59,23 @@ a.csv b.csv | a.csv and b.csv: one log at a time
 --native --defmt out.log | --defmt out.log: only the firmware writes a log, leave out --native
 --defmt - | --defmt -: must be the name of a file
 --defmt nowhere/out.log | --defmt nowhere/out.log: its folder does not exist
+--sweep p-run | must be NAME=A..B
+--sweep seed=1..9 | `seed` is none of p-run, failsafe, quantum
+--sweep p-run=0.9..0.2 | must ascend
+--sweep p-run=0..0.9 | '--sweep <NAME=A..B,...>': `p-run=0..0.9`: p_run must lie between
+--sweep p-run=0.2..0.9 --p-run 0.5 | --p-run: --sweep names p-run too, leave one of them out
+--sweep failsafe=0.01..0.3 --failsafe 0.1 | --failsafe: --sweep names failsafe too
+--sweep p-run=0.2..0.9 --policy periodic | leave out --rate and --policy periodic
+--sweep p-run=0.2..0.9 --rate 100 | leave out --rate and --policy periodic
+--sweep p-run=0.2..0.9 --defmt out.log | leave out --sweep, which is native
+--sweep p-run=0.2..0.9 --sweep p-run=0.5 | cannot be used multiple times
+--sweep p-run=0.2..0.9 --svg src | --svg src: is a folder
+--sweep p-run=0.2..0.9 --svg nowhere/a.svg | --svg nowhere/a.svg: its folder does not exist
+--sweep p-run=0.2..0.9 --svg - | --svg -: must be the name of a file
+--sweep p-run=0.2..0.9 Cargo.toml --svg ./src/../Cargo.toml | is a recorded flight itself
+--sweep p-run=0.2..0.9 . --svg Cargo.toml | is a recorded flight itself
+--svg a.svg | --svg a.svg: only a sweep is drawn, add --sweep
+--native src | src: is a folder, name one log, or add --sweep
 Cargo.toml --defmt ./src/../Cargo.toml | is the recorded flight itself
 ";
 
@@ -107,6 +124,21 @@ fn every_option_arrives() {
         defmt: Some("out.log".into()),
     };
     assert_eq!(options, expected);
+}
+
+#[test]
+fn a_sweep_has_the_options_of_a_replay_at_every_point() {
+    let words = "replay src --native --sweep p-run=0.2..0.9/3 --quantum 1/128 --seed 9";
+    let only = Only::try_parse_from(words.split_whitespace()).expect("parsed");
+    let sweep = only.arguments.sweep_options().expect("options");
+    let sweep = sweep.expect("a sweep");
+    assert_eq!(sweep.replay.log, Some("src".into()));
+    assert_eq!(sweep.replay.settings.quantum, 1.0 / 128.0);
+    assert_eq!(sweep.replay.settings.seed, 9);
+    assert_eq!(sweep.grid.to_string(), "p-run=0.2..0.9/3");
+    assert_eq!(only.arguments.sweep.figure(true), None);
+    let default = only.arguments.sweep.figure(false).expect("a file");
+    assert!(default.ends_with("target/hil/sweep.svg"));
 }
 
 #[test]

@@ -1,0 +1,135 @@
+//! What `--sweep` and `--svg` add to a replay's arguments, and what they do not go with.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::sweep_text::grid;
+use crate::refusal::Refusal;
+use crate::sweep::{Grid, Parameter};
+use crate::toolchain;
+
+/// Where the figure goes when no file is named, from the workspace's folder.
+const FIGURE: &str = "target/hil/sweep.svg";
+
+/// The arguments of a sweep.
+#[derive(Clone, Debug, Default, Args)]
+pub(super) struct SweepArguments {
+    /// Fly many settings natively, LOG or all logs of a folder: p-run, failsafe or quantum,
+    /// each NAME=A..B, NAME=A..B/N with N values, or NAME=V
+    #[arg(long, value_name = "NAME=A..B,...", value_parser = grid)]
+    pub(super) sweep: Option<Grid>,
+    /// Draw the sweep's trade curves to this file [default: target/hil/sweep.svg]
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+}
+
+impl SweepArguments {
+    /// Refuses options that contradict a sweep, or that only a sweep has.
+    ///
+    /// `single` says which of the sweep's parameters have an option of their own.
+    pub(super) fn check(
+        &self,
+        log: Option<&Path>,
+        single: &[(Parameter, bool)],
+        clock: bool,
+    ) -> Result<(), Refusal> {
+        let refuse = |line: String| Err(Refusal::new(line));
+        let Some(grid) = &self.sweep else {
+            return match (&self.svg, log) {
+                (Some(file), _) => refuse(format!(
+                    "--svg {}: only a sweep is drawn, add --sweep p-run=0.2..0.9",
+                    file.display()
+                )),
+                (_, Some(log)) if log.is_dir() => refuse(format!(
+                    "{}: is a folder, name one log, or add --sweep p-run=0.2..0.9 to fly all of it",
+                    log.display()
+                )),
+                _ => Ok(()),
+            };
+        };
+        if clock {
+            return refuse(format!(
+                "--sweep {grid}: flies reactive control, and periodic control at equal runs beside \
+                 it; leave out --rate and --policy periodic, or use --policy reactive"
+            ));
+        }
+        for (parameter, given) in single {
+            if *given && grid.names(*parameter) {
+                let name = parameter.name();
+                return refuse(format!(
+                    "--{name}: --sweep names {name} too, leave one of them out"
+                ));
+            }
+        }
+        match &self.svg {
+            Some(file) => check_file(file, log),
+            None => Ok(()),
+        }
+    }
+
+    /// The file to draw to: none beside `--json`, unless one is named.
+    pub(super) fn figure(&self, json: bool) -> Option<PathBuf> {
+        match &self.svg {
+            Some(file) => Some(file.clone()),
+            None if json => None,
+            None => Some(toolchain::root().join(FIGURE)),
+        }
+    }
+}
+
+/// Writes a figure, and makes the folder of the default one.
+///
+/// # Errors
+/// A file that cannot be written.
+pub(super) fn write_figure(file: &Path, svg: &str) -> Result<(), Refusal> {
+    let refused = |error: std::io::Error| {
+        Refusal::new(format!(
+            "--svg {}: cannot be written: {error}",
+            file.display()
+        ))
+    };
+    if let Some(folder) = file.parent()
+        && file.ends_with(FIGURE)
+    {
+        std::fs::create_dir_all(folder).map_err(refused)?;
+    }
+    std::fs::write(file, svg).map_err(refused)
+}
+
+/// The figure goes to a file of its own.
+fn check_file(file: &Path, log: Option<&Path>) -> Result<(), Refusal> {
+    let refuse = |reason: &str| {
+        let file = file.display();
+        Err(Refusal::new(format!("--svg {file}: {reason}")))
+    };
+    if file.as_os_str().is_empty() || file == Path::new("-") {
+        return refuse("must be the name of a file, stdout is for the tables");
+    }
+    if file.is_dir() {
+        return refuse("is a folder, must be the name of a file");
+    }
+    if log.is_some_and(|log| is_log(file, log)) {
+        return refuse("is a recorded flight itself, and would be overwritten");
+    }
+    let folder = file
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    if !folder.unwrap_or(Path::new(".")).is_dir() {
+        return refuse("its folder does not exist");
+    }
+    Ok(())
+}
+
+/// Whether a file is the log, or lies in the folder of logs and may be one of them.
+fn is_log(file: &Path, log: &Path) -> bool {
+    // Compared as the file system knows them, so that no other spelling overwrites a log.
+    let same = |log: &Path| matches!((log.canonicalize(), file.canonicalize()), (Ok(log), Ok(file)) if log == file);
+    let is_figure = |file: &Path| file.extension().is_some_and(|name| name == "svg");
+    if log.is_dir() {
+        let name = file.file_name().unwrap_or_default();
+        !is_figure(file) && same(&log.join(name))
+    } else {
+        same(log)
+    }
+}

@@ -1,0 +1,112 @@
+//! Figures are well-formed, complete, and the same twice.
+
+use super::*;
+
+/// The names of the elements, once it is known that each is closed in its turn.
+fn elements(svg: &str) -> Vec<String> {
+    let (mut open, mut all): (Vec<String>, Vec<String>) = (Vec::new(), Vec::new());
+    for piece in svg.split('<').skip(1) {
+        let (tag, text) = piece.split_once('>').expect("a tag ends");
+        assert!(!text.contains('>'), "{text:?}");
+        for entity in text.split('&').skip(1) {
+            assert!(entity.contains(';'), "{entity:?}");
+        }
+        let name = tag.split([' ', '/']).find(|name| !name.is_empty());
+        let name = name.expect("a tag has a name").to_owned();
+        if tag.starts_with('/') {
+            assert_eq!(open.pop().as_ref(), Some(&name));
+            continue;
+        }
+        assert_eq!(tag.matches('"').count() % 2, 0, "{tag:?}");
+        all.push(name.clone());
+        if !tag.ends_with('/') {
+            open.push(name);
+        }
+    }
+    assert!(open.is_empty(), "left open: {open:?}");
+    all
+}
+
+fn figure(title: &str) -> Figure {
+    let curve = |name: &str, colour, marker, slope: f64| Curve {
+        look: Look {
+            name: name.to_owned(),
+            colour,
+            marker,
+            width: 2,
+        },
+        points: (1..=5)
+            .map(|step| Point {
+                x: f64::from(step) * 100.0,
+                y: slope * f64::from(step),
+                label: Some(format!("point {step}")),
+            })
+            .collect(),
+    };
+    Figure {
+        title: title.to_owned(),
+        panels: vec![Panel {
+            title: title.to_owned(),
+            x: Axis::new("runs per second", Scale::Logarithmic),
+            y: Axis::new("deviation, quanta", Scale::FromZero),
+            curves: vec![
+                curve("falling", (1, 2, 3), Marker::Circle, -1.0),
+                curve("rising", (4, 5, 6), Marker::Triangle, 1.0),
+                curve("level", (7, 8, 9), Marker::Square, 0.0),
+            ],
+        }],
+        columns: 3,
+    }
+}
+
+#[test]
+fn a_figure_is_well_formed_and_shows_every_curve() {
+    let svg = figure("a flight").to_svg().expect("drawn");
+    let all = elements(&svg);
+    assert_eq!(all.first().map(String::as_str), Some("svg"));
+    for colour in ["#010203", "#040506", "#070809"] {
+        let lines = svg.lines().filter(|line| line.starts_with("<polyline"));
+        let of_colour = lines.filter(|line| line.contains(colour)).count();
+        assert!(
+            of_colour >= 2,
+            "a curve and its line in the legend: {colour}"
+        );
+    }
+    for text in [
+        "falling",
+        "rising",
+        "level",
+        "runs per second",
+        "deviation, quanta",
+    ] {
+        assert!(svg.contains(text), "{text}");
+    }
+    assert_eq!(svg, figure("a flight").to_svg().expect("drawn"));
+}
+
+#[test]
+fn no_title_breaks_the_document() {
+    for title in [
+        "<svg> & \"quotes\" 'and'",
+        "two\nlines\u{1}",
+        "\u{ffff}",
+        "",
+    ] {
+        elements(&figure(title).to_svg().expect("drawn"));
+    }
+}
+
+#[test]
+fn values_that_no_axis_shows_are_left_out() {
+    let mut figure = figure("a flight");
+    for point in &mut figure.panels[0].curves[0].points {
+        point.x = f64::NAN;
+    }
+    assert!(!figure.to_svg().expect("drawn").contains("NaN"));
+    figure.panels[0].curves.truncate(1);
+    let svg = figure.to_svg().expect("drawn");
+    elements(&svg);
+    assert!(svg.contains("nothing to show"));
+    figure.panels.clear();
+    elements(&figure.to_svg().expect("drawn"));
+}

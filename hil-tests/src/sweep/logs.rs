@@ -1,0 +1,129 @@
+//! The logs of a sweep: one, or all that a folder holds.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Error, Result};
+use serde::Serialize;
+
+use super::SweepOptions;
+use crate::flights::{Flight, FlightError};
+use crate::progress::Progress;
+use crate::refusal::Refusal;
+use crate::replay::{open_flight, sense};
+
+/// A flight with the path that it was read from.
+#[derive(Clone, Debug)]
+pub(super) struct Log {
+    /// The path, as it was given or found.
+    pub name: String,
+    pub flight: Flight,
+}
+
+/// A file that was left out, and why.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Skipped {
+    /// The path.
+    pub log: String,
+    /// What is wrong with it, in one line.
+    pub reason: String,
+}
+
+impl Skipped {
+    /// A file with the refusal that it met.
+    pub(super) fn new(log: &str, error: &Error) -> Self {
+        let text = format!("{error:#}");
+        // The list names the file already.
+        let reason = text.strip_prefix(&format!("{log}: ")).unwrap_or(&text);
+        Self {
+            log: log.to_owned(),
+            reason: reason.to_owned(),
+        }
+    }
+}
+
+/// What there is to fly.
+#[derive(Debug, Default)]
+pub(super) struct Logs {
+    pub logs: Vec<Log>,
+    pub skipped: Vec<Skipped>,
+}
+
+/// Whether the log was at fault, and not this program.
+pub(super) fn is_refusal(error: &Error) -> bool {
+    error.is::<Refusal>() || error.is::<FlightError>()
+}
+
+/// Reads every log once, in the order of their names.
+///
+/// # Errors
+/// A log that cannot be replayed where it is the only one named; a folder that cannot be read
+/// or holds no log.
+pub(super) fn open(options: &SweepOptions, progress: &mut dyn Progress) -> Result<Logs> {
+    let replay = &options.replay;
+    let folder = match &replay.log {
+        Some(path) if path.is_dir() => path,
+        _ => {
+            let (flight, path) = open_flight(replay)?;
+            let name = path.display().to_string();
+            return Ok(Logs {
+                logs: vec![Log { name, flight }],
+                skipped: Vec::new(),
+            });
+        }
+    };
+    progress.stage(&format!("Reading {}", folder.display()));
+    let files = files_of(folder)?;
+    let mut logs = Logs::default();
+    for (done, path) in files.iter().enumerate() {
+        match open_one(options, path) {
+            Ok(log) => logs.logs.push(log),
+            Err(error) => {
+                let name = path.display().to_string();
+                logs.skipped.push(Skipped::new(&name, &error));
+            }
+        }
+        progress.done((done + 1) as f64, files.len() as f64);
+    }
+    if logs.logs.is_empty() {
+        return Err(no_log(folder, &logs.skipped).into());
+    }
+    Ok(logs)
+}
+
+/// The refusal of a folder in which nothing can be flown.
+pub(super) fn no_log(folder: &Path, skipped: &[Skipped]) -> Refusal {
+    let folder = folder.display();
+    Refusal::new(match skipped.first() {
+        None => format!("{folder}: is an empty folder, name one with logs (ULog or CSV)"),
+        Some(first) => format!(
+            "{folder}: none of its {} files is a log that can be replayed, the first: {}: {}",
+            skipped.len(),
+            first.log,
+            first.reason
+        ),
+    })
+}
+
+/// What is in a folder, in the order of the names.
+fn files_of(folder: &Path) -> Result<Vec<PathBuf>> {
+    let refused = |error: std::io::Error| {
+        Refusal::new(format!("{}: cannot be read: {error}", folder.display()))
+    };
+    let mut names: Vec<OsString> = Vec::new();
+    for entry in folder.read_dir().map_err(refused)? {
+        names.push(entry.map_err(refused)?.file_name());
+    }
+    names.sort();
+    Ok(names.into_iter().map(|name| folder.join(name)).collect())
+}
+
+fn open_one(options: &SweepOptions, path: &Path) -> Result<Log> {
+    let name = path.display().to_string();
+    if path.is_dir() {
+        return Err(Refusal::new("is a folder, and folders in folders are not searched").into());
+    }
+    let flight = Flight::read(path, options.replay.rotate)?;
+    sense::check_flight(&options.replay, &flight, &name)?;
+    Ok(Log { name, flight })
+}

@@ -1,0 +1,123 @@
+//! Sweeps: the same flights with many settings, natively and on every core.
+//!
+//! ```text
+//! logs x grid of settings -- threads --> scores -> report -> tables, JSON, trade curves
+//! ```
+//! Every log is read once and every point flown as `replay --native` flies it. Points share
+//! nothing, and results are put in the order of logs and points whichever ends first: the
+//! report is the same whatever the number of threads.
+
+mod chart;
+mod grid;
+mod logs;
+mod outcome;
+mod report;
+mod table;
+#[cfg(test)]
+mod tests;
+
+use std::sync::mpsc;
+
+use anyhow::{Context, Result};
+use reflex::settings::Settings;
+
+use crate::native;
+use crate::progress::Progress;
+use crate::replay_options::ReplayOptions;
+use crate::scoring::Score;
+
+pub use chart::trade_curves;
+pub use grid::{Axis, Grid, Parameter};
+pub use logs::Skipped;
+pub use outcome::Outcome;
+pub use report::{Median, SweepPoint, SweepReport};
+pub use table::tables;
+
+use logs::{Log, Logs};
+
+/// What a sweep is told, once it is known to make sense.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweepOptions {
+    /// What holds at every point; its log may be a folder.
+    pub replay: ReplayOptions,
+    /// What differs between them.
+    pub grid: Grid,
+    /// Threads that fly; 0 for one on each core.
+    pub threads: usize,
+}
+
+/// Flies every log at every point of the grid: some ten milliseconds for a second of flight.
+///
+/// # Errors
+/// A log that cannot be replayed, where no folder was named; a folder without any; threads that
+/// cannot be started.
+pub fn sweep(options: &SweepOptions, progress: &mut dyn Progress) -> Result<SweepReport> {
+    let Logs { logs, mut skipped } = logs::open(options, progress)?;
+    let points = options.grid.settings(options.replay.settings);
+    progress.stage(&format!(
+        "Flying {} settings on {} log{}",
+        points.len(),
+        logs.len(),
+        if logs.len() == 1 { "" } else { "s" }
+    ));
+    let mut scores = fly(options, &logs, &points, progress)?.into_iter();
+    let mut scored = Vec::new();
+    for log in &logs {
+        let own: Result<Vec<Score>> = scores.by_ref().take(points.len()).collect();
+        match (own, &options.replay.log) {
+            (Ok(own), _) => scored.extend(
+                (points.iter().zip(own)).map(|(point, score)| SweepPoint::new(log, point, score)),
+            ),
+            (Err(error), Some(path)) if path.is_dir() && logs::is_refusal(&error) => {
+                skipped.push(Skipped::new(&log.name, &error));
+            }
+            (Err(error), _) => return Err(error),
+        }
+    }
+    skipped.sort_by(|one, other| one.log.cmp(&other.log));
+    match &options.replay.log {
+        Some(folder) if scored.is_empty() => Err(logs::no_log(folder, &skipped).into()),
+        _ => SweepReport::new(options, scored, skipped),
+    }
+}
+
+/// Flies each pair of log and point in some thread; the scores are in the order of the pairs.
+fn fly(
+    options: &SweepOptions,
+    logs: &[Log],
+    points: &[Settings],
+    progress: &mut dyn Progress,
+) -> Result<Vec<Result<Score>>> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads)
+        .build()
+        .context("the threads of the sweep cannot be started")?;
+    let pairs = logs
+        .iter()
+        .flat_map(|log| points.iter().map(move |point| (log, point)));
+    let of = (logs.len() * points.len()) as f64;
+    let (sender, receiver) = mpsc::channel();
+    // Only here is the caller's progress touched: the threads tell this one.
+    let mut scores: Vec<(usize, Result<Score>)> = pool.in_place_scope(|scope| {
+        for (place, (log, point)) in pairs.enumerate() {
+            let sender = sender.clone();
+            scope.spawn(move |_| {
+                let replay = ReplayOptions {
+                    settings: *point,
+                    ..options.replay.clone()
+                };
+                // Nobody listens any more only where another thread has panicked.
+                let _ = sender.send((place, native::fly_and_score(&log.flight, &replay)));
+            });
+        }
+        drop(sender);
+        (receiver.iter().enumerate())
+            .map(|(done, score)| {
+                progress.done((done + 1) as f64, of);
+                score
+            })
+            .collect()
+    });
+    scores.sort_by_key(|(place, _)| *place);
+    Ok(scores.into_iter().map(|(_, score)| score).collect())
+}
