@@ -40,7 +40,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Boot the firmware on the emulated board and replay a recorded flight into its sensors
-    Replay(replay_arguments::ReplayArguments),
+    Replay(Box<replay_arguments::ReplayArguments>),
     /// Run everything that continuous integration runs
     Test,
 }
