@@ -41,7 +41,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Boot the firmware on the emulated board and replay a recorded flight into its sensors
-    Replay(replay_arguments::ReplayArguments),
+    Replay(Box<replay_arguments::ReplayArguments>),
     /// Count the instructions of every part on the emulated core, against its limit
     Bench(bench::BenchArguments),
     /// Run everything that continuous integration runs
