@@ -128,7 +128,8 @@ impl<R: Recorder> Autopilot<R> {
             self.schedule.ask(input);
         }
         if self.supervisor.is_learning() {
-            self.learners.hold(at, input, self.gate.applied());
+            self.learners
+                .hold(at, input, self.gate.applied(), &mut self.recorder);
         }
         if asked && self.supervisor.phase() == Phase::Reactive {
             Next::HyperperiodAt(self.schedule.timeout())

@@ -12,7 +12,8 @@ impl<R: Recorder> Autopilot<R> {
     pub(super) fn learn(&mut self, now: Instant, reason: Reason, asked: Inputs, changed: bool) {
         match reason {
             Reason::WarmUp | Reason::Fallback => {
-                self.learners.hold_run(now, self.gate.applied());
+                self.learners
+                    .hold_run(now, self.gate.applied(), &mut self.recorder);
             }
             // Runs that several inputs asked for teach nothing: whose change was it?
             Reason::Trigger => {
@@ -35,7 +36,9 @@ impl<R: Recorder> Autopilot<R> {
     }
 
     fn label(&mut self, input: Input, changed: bool, weight: f32) {
-        self.learners.lesson_mut(input).label(changed, weight);
+        if let Some(label) = self.learners.lesson_mut(input).label(changed, weight) {
+            self.recorder.label(input, &label);
+        }
     }
 
     /// The labels of an input whose refit is due, copied: to be fitted in idle, without a lock.
