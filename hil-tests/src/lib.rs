@@ -21,4 +21,6 @@ pub mod refusal;
 pub mod replay;
 pub mod replay_options;
 pub mod scoring;
+#[cfg(test)]
+mod statistics;
 pub mod toolchain;
