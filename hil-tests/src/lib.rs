@@ -25,5 +25,7 @@ pub mod refusal;
 pub mod replay;
 pub mod replay_options;
 pub mod scoring;
+#[cfg(test)]
+mod statistics;
 pub mod sweep;
 pub mod toolchain;

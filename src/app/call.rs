@@ -10,7 +10,7 @@
 use super::{Autopilot, ChipOrder, Fault, OrderError, Reason};
 use crate::config::MOTORS;
 use crate::link::Message;
-use crate::reactive::{Fit, Refit};
+use crate::reactive::{Fit, Label, Refit};
 use crate::sensors::{Cause, IMU_BURST_LENGTH, Input, Inputs};
 use crate::time::{Instant, at_micros};
 
@@ -74,6 +74,9 @@ pub struct Stamped {
 pub trait Recorder {
     /// Takes note of a call with its stamp.
     fn record(&mut self, at: Instant, call: &Call);
+
+    /// Takes note of a label that an input learns from; only a host looks at single labels.
+    fn label(&mut self, _input: Input, _label: &Label) {}
 }
 
 /// Records nothing: for sweeps.
@@ -84,6 +87,10 @@ impl Recorder for () {
 impl<R: Recorder + ?Sized> Recorder for &mut R {
     fn record(&mut self, at: Instant, call: &Call) {
         (**self).record(at, call);
+    }
+
+    fn label(&mut self, input: Input, label: &Label) {
+        (**self).label(input, label);
     }
 }
 

@@ -171,7 +171,8 @@ impl<R: Recorder> Autopilot<R> {
             self.schedule.ask(input);
         }
         if self.supervisor.is_learning() {
-            self.learners.hold(at, input, self.gate.applied());
+            self.learners
+                .hold(at, input, self.gate.applied(), &mut self.recorder);
         }
         if GATES.contains(input) {
             self.end_hyperperiod(at, Inputs::NONE.with(input))

@@ -5,6 +5,7 @@
 //! one that knows most of what a change does: the foreseen command where that may trigger, else
 //! the gyroscope, else the angle. The others are relevant for what they tell before it does.
 
+use super::Recorder;
 use crate::airframe::MotorShares;
 use crate::config::{
     ACCEL, CHIP_ACCEL, CHIP_MAG, COMMAND, Changes, GYRO, LABELS_OF_EACH_CLASS, STABLE_CHANGE,
@@ -90,9 +91,16 @@ impl<S: Sample> Learner<S> {
     }
 
     /// Shows a sample, with the command in force, to the shadow holds.
-    fn hold(&mut self, now: Instant, newest: &Held<S>, rule: &Rule, lead: &Lead) {
+    fn hold(
+        &mut self,
+        now: Instant,
+        newest: &Held<S>,
+        rule: &Rule,
+        lead: &Lead,
+        tell: impl FnMut(&Label),
+    ) {
         self.holds
-            .take(now, newest, rule, lead, &mut self.lesson.labels);
+            .take(now, newest, rule, lead, &mut self.lesson.labels, tell);
     }
 }
 
@@ -141,10 +149,11 @@ impl Lesson {
     }
 
     /// Counts what the present change came to; nothing where no change was measured.
-    pub(super) fn label(&mut self, changed: bool, weight: f32) {
-        if let Some(x) = self.decision.change() {
-            self.labels.add(&Label { x, changed, weight });
-        }
+    pub(super) fn label(&mut self, changed: bool, weight: f32) -> Option<Label> {
+        let x = self.decision.change()?;
+        let label = Label { x, changed, weight };
+        self.labels.add(&label);
+        Some(label)
     }
 }
 
@@ -241,9 +250,14 @@ impl Learners {
     }
 
     /// Shows the samples of a time-triggered run to the shadow holds.
-    pub(super) fn hold_run(&mut self, now: Instant, command: &MotorShares) {
+    pub(super) fn hold_run(
+        &mut self,
+        now: Instant,
+        command: &MotorShares,
+        recorder: &mut impl Recorder,
+    ) {
         for input in [Input::Gyro, Input::Accel, Input::Turned] {
-            self.hold(now, input, command);
+            self.hold(now, input, command, recorder);
         }
         let (rule, Some(lead)) = (self.rule, self.lead_for(Input::Command)) else {
             return;
@@ -256,11 +270,18 @@ impl Learners {
         if self.takes_stale(Input::Command) {
             self.command.holds.restart();
         }
-        self.command.hold(now, &newest, &rule, &lead);
+        let tell = |label: &Label| recorder.label(Input::Command, label);
+        self.command.hold(now, &newest, &rule, &lead, tell);
     }
 
     /// Shows the newest sample of an input, with the command in force, to its shadow holds.
-    pub(super) fn hold(&mut self, now: Instant, input: Input, command: &MotorShares) {
+    pub(super) fn hold(
+        &mut self,
+        now: Instant,
+        input: Input,
+        command: &MotorShares,
+        recorder: &mut impl Recorder,
+    ) {
         let (rule, Some(lead)) = (self.rule, self.lead_for(input)) else {
             return;
         };
@@ -278,7 +299,8 @@ impl Learners {
                 command: *command,
                 rates,
             };
-            learner.hold(now, &newest, &rule, &lead);
+            let tell = |label: &Label| recorder.label(input, label);
+            learner.hold(now, &newest, &rule, &lead, tell);
         }
     }
 

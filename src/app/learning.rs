@@ -12,7 +12,8 @@ impl<R: Recorder> Autopilot<R> {
     /// What a run taught: `changed` says whether it moved the command by a quantum.
     pub(super) fn learn(&mut self, now: Instant, reason: Reason, asked: Inputs, changed: bool) {
         if matches!(reason, Reason::WarmUp | Reason::Fallback) {
-            self.learners.hold_run(now, self.gate.applied());
+            self.learners
+                .hold_run(now, self.gate.applied(), &mut self.recorder);
         }
         if self.supervisor.phase() != Phase::Reactive {
             return;
@@ -34,7 +35,9 @@ impl<R: Recorder> Autopilot<R> {
         for input in Input::ALL {
             if teaching.inputs.contains(input) {
                 let lesson = self.learners.lesson_mut(input);
-                lesson.label(teaching.changed, teaching.weight);
+                if let Some(label) = lesson.label(teaching.changed, teaching.weight) {
+                    self.recorder.label(input, &label);
+                }
             }
         }
     }

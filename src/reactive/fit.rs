@@ -4,7 +4,7 @@
 //! of each bin's smoothed share, weighted least squares as a start, then Newton steps of the
 //! maximum likelihood on the same bins. Runs in idle, on a copy.
 
-use super::labels::Bin;
+use super::labels::{Bin, Point};
 use super::logistic::log_odds;
 use super::{Labels, Logistic};
 use crate::config::LABELS_OF_EACH_CLASS;
@@ -80,8 +80,8 @@ impl RefitJob {
 /// The 0.1 % point of the chi-square distribution of one degree of freedom.
 const EVIDENCE: f32 = 10.83;
 
-/// Newton steps after the start; the likelihood is concave, they converge quadratically.
-const NEWTON_STEPS: u8 = 8;
+/// Most Newton steps after the start; the likelihood is concave, they converge quadratically.
+const NEWTON_STEPS: u8 = 16;
 
 /// Labels after which an input that never varies, or never told of a change, is done with.
 const ENOUGH: f32 = 200.0;
@@ -95,88 +95,62 @@ fn fit(labels: &Labels) -> Fit {
     if !varies || labels.of_rarer_class() < NEEDED {
         return Fit::Unfit;
     }
-    // In units of the mean change, so that both coefficients are of order one.
-    let unit = labels.bins().map(|bin| bin.sum).sum::<f32>() / labels.total();
-    if !(unit > 0.0 && unit.is_finite()) {
-        return Fit::Unfit;
-    }
-    let Some(start) = least_squares(labels, unit) else {
+    let Some(mut model) = least_squares(labels) else {
         return Fit::Unfit;
     };
-    let mut best = Candidate::new(labels, unit, start);
+    let mut gained = likelihood(labels, model);
     for _ in 0..NEWTON_STEPS {
-        match newton_step(labels, unit, &best) {
-            Some(better) => best = better,
+        match newton_step(labels, model, gained) {
+            Some(better) => (model, gained) = better,
             None => break,
         }
     }
-    judge(labels, unit, &best)
+    judge(labels, model, gained)
 }
 
-/// A model with its likelihood: each costs a pass over all bins, and is looked at twice.
-struct Candidate {
-    model: Logistic,
-    likelihood: f32,
-}
-
-impl Candidate {
-    fn new(labels: &Labels, unit: f32, model: Logistic) -> Self {
-        Self {
-            model,
-            likelihood: likelihood(labels, unit, model),
-        }
-    }
-}
-
-fn judge(labels: &Labels, unit: f32, Candidate { model, likelihood }: &Candidate) -> Fit {
-    let slope = model.b2 / unit;
-    if !(model.b1.is_finite() && slope.is_finite()) {
+fn judge(labels: &Labels, model: Logistic, gained: f32) -> Fit {
+    if !(model.b1.is_finite() && model.b2.is_finite()) {
         return Fit::Unfit;
     }
-    if slope <= 0.0 {
+    if model.b2 <= 0.0 {
         return Fit::Irrelevant;
     }
-    let share = labels.bins().map(|bin| bin.changed).sum::<f32>() / labels.total();
     let constant = Logistic {
-        b1: log_odds(share),
+        b1: log_odds(labels.of_changed() / labels.total()),
         b2: 0.0,
     };
-    let gain = likelihood - Candidate::new(labels, unit, constant).likelihood;
-    if 2.0 * gain < EVIDENCE {
+    if 2.0 * (gained - likelihood(labels, constant)) < EVIDENCE {
         return Fit::Irrelevant;
     }
-    Fit::Model(Logistic {
-        b1: model.b1,
-        b2: slope,
-    })
-}
-
-fn position(bin: &Bin, unit: f32) -> f32 {
-    bin.sum / (bin.weight * unit)
+    Fit::Model(model)
 }
 
 /// Weighted least squares on the smoothed logits of the bins.
-fn least_squares(labels: &Labels, unit: f32) -> Option<Logistic> {
-    let mut normal = Normal::default();
+fn least_squares(labels: &Labels) -> Option<Logistic> {
+    let centre = labels.bins().map(Bin::sum).sum::<f32>() / labels.total();
+    let mut normal = Normal::around(centre);
     for bin in labels.bins() {
-        let logit = log_odds((bin.changed + 0.5) / (bin.weight + 1.0));
-        let share = (bin.changed + 0.5) / (bin.weight + 1.0);
-        let weight = bin.weight * share * (1.0 - share);
-        normal.add(position(bin, unit), logit, weight);
+        let share = (bin.changed.weight + 0.5) / (bin.weight() + 1.0);
+        let weight = bin.weight() * share * (1.0 - share);
+        normal.add(bin.sum() / bin.weight(), weight, weight * log_odds(share));
     }
     normal.solve()
 }
 
-/// One step of the maximum likelihood; `None` where it is at its end or fails to gain.
-fn newton_step(labels: &Labels, unit: f32, best: &Candidate) -> Option<Candidate> {
-    let from = best.model;
-    let mut normal = Normal::default();
-    for bin in labels.bins() {
-        let x = position(bin, unit);
-        let share = from.probability(x);
-        let weight = (bin.weight * share * (1.0 - share)).max(1e-6);
-        let residual = (bin.changed - bin.weight * share) / weight;
-        normal.add(x, residual, weight);
+/// One step of the maximum likelihood, and what it reaches; `None` where it gains nothing.
+fn newton_step(labels: &Labels, from: Logistic, before: f32) -> Option<(Logistic, f32)> {
+    // Most of the weight lies around the crossing, which may be far from zero.
+    let crossing = from.crossing(0.5);
+    let far = from.b2 <= 0.0 || !crossing.is_finite();
+    let mut normal = Normal::around(if far { 0.0 } else { crossing.max(0.0) });
+    for point in labels.points() {
+        let share = from.probability(point.x);
+        let outcome = if point.changed { 1.0 } else { 0.0 };
+        normal.add(
+            point.x,
+            point.weight * share * (1.0 - share),
+            point.weight * (outcome - share),
+        );
     }
     let step = normal.solve()?;
     // Half the step until the likelihood gains: far out the quadratic model overshoots.
@@ -186,25 +160,30 @@ fn newton_step(labels: &Labels, unit: f32, best: &Candidate) -> Option<Candidate
             b1: from.b1 + step.b1 * share,
             b2: from.b2 + step.b2 * share,
         })
-        .map(|to| Candidate::new(labels, unit, to))
-        .find(|to| to.likelihood > best.likelihood)
+        .map(|to| (to, likelihood(labels, to)))
+        .find(|(_, after)| *after > before)
 }
 
-fn likelihood(labels: &Labels, unit: f32, model: Logistic) -> f32 {
-    labels
-        .bins()
-        .map(|bin| {
-            let share = model
-                .probability(position(bin, unit))
-                .clamp(1e-6, 1.0 - 1e-6);
-            bin.changed * libm::logf(share) + (bin.weight - bin.changed) * libm::logf(1.0 - share)
-        })
-        .sum()
+fn likelihood(labels: &Labels, model: Logistic) -> f32 {
+    let of_point = |point: Point| {
+        let log_odds = model.b1 + model.b2 * point.x;
+        point.weight * log_share(if point.changed { log_odds } else { -log_odds })
+    };
+    labels.points().map(of_point).sum()
+}
+
+/// `ln(L)` of the log-odds, for any: far below zero it is the log-odds themselves.
+fn log_share(log_odds: f32) -> f32 {
+    if log_odds < -15.0 {
+        return log_odds;
+    }
+    -libm::logf(1.0 + libm::expf(-log_odds))
 }
 
 /// The normal equations of a line.
-#[derive(Default)]
 struct Normal {
+    /// Sums of changes that hardly differ would lose the difference: they start here.
+    centre: f32,
     weight: f32,
     x: f32,
     xx: f32,
@@ -213,18 +192,31 @@ struct Normal {
 }
 
 impl Normal {
-    fn add(&mut self, x: f32, y: f32, weight: f32) {
+    fn around(centre: f32) -> Self {
+        Self {
+            centre,
+            weight: 0.0,
+            x: 0.0,
+            xx: 0.0,
+            y: 0.0,
+            xy: 0.0,
+        }
+    }
+
+    /// Adds a point of the line with its weight, and its height times its weight.
+    fn add(&mut self, x: f32, weight: f32, weighted_y: f32) {
+        let x = x - self.centre;
         self.weight += weight;
         self.x += weight * x;
         self.xx += weight * x * x;
-        self.y += weight * y;
-        self.xy += weight * x * y;
+        self.y += weighted_y;
+        self.xy += weighted_y * x;
     }
 
     fn solve(&self) -> Option<Logistic> {
         let determinant = self.weight * self.xx - self.x * self.x;
         let b2 = (self.weight * self.xy - self.x * self.y) / determinant;
-        let b1 = (self.y - b2 * self.x) / self.weight;
+        let b1 = (self.y - b2 * self.x) / self.weight - b2 * self.centre;
         (determinant > 0.0 && b1.is_finite() && b2.is_finite()).then_some(Logistic { b1, b2 })
     }
 }

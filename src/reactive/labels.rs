@@ -1,14 +1,16 @@
 //! Bounded statistics of one input: labels counted in bins of the change.
 //!
 //! A label is a change `x` and whether the command would have changed. Bins are spaced by the
-//! logarithm of `x`; each keeps the weight of its labels, the part that was *changed*, and the
-//! weighted sum of `x`, so that a bin speaks for the mean of what fell into it and not for its
-//! middle. 308 bytes an input, whatever the length of the flight.
+//! logarithm of `x`; each keeps, for either outcome by itself, the weight of its labels and their
+//! weighted sum of `x`, so that a bin speaks for the means of what fell into it and not for its
+//! middle: one mean for both would hide that within a bin too the larger changes are those that
+//! were *changed*. 508 bytes an input, whatever the length of the flight.
 
 use crate::config::Changes;
+use crate::math::sqrt;
 
 /// Number of bins.
-pub const BIN_COUNT: usize = 24;
+pub const BIN_COUNT: usize = 30;
 
 /// Labels of one input, by change.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,12 +42,73 @@ pub struct Label {
 /// The labels whose change fell into one interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Bin {
-    /// Weight of all labels.
+    /// Labels without a changed command.
+    pub(super) unchanged: Heap,
+    /// Labels that were *changed*.
+    pub(super) changed: Heap,
+}
+
+/// Labels of one outcome in one bin.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Heap {
+    /// Their weight.
     pub(super) weight: f32,
-    /// Weight of the labels that were *changed*.
-    pub(super) changed: f32,
-    /// Weighted sum of the changes.
+    /// Weighted sum of their changes.
     pub(super) sum: f32,
+}
+
+/// Labels of one outcome, as if they all had one change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Point {
+    /// The change.
+    pub(super) x: f32,
+    /// Their outcome.
+    pub(super) changed: bool,
+    /// Their weight.
+    pub(super) weight: f32,
+}
+
+impl Bin {
+    /// Weight of all labels.
+    pub(super) fn weight(&self) -> f32 {
+        self.changed.weight + self.unchanged.weight
+    }
+
+    /// Weighted sum of all changes.
+    pub(super) fn sum(&self) -> f32 {
+        self.changed.sum + self.unchanged.sum
+    }
+
+    fn fade(&mut self, share: f32) {
+        for heap in [&mut self.unchanged, &mut self.changed] {
+            heap.weight *= share;
+            heap.sum *= share;
+        }
+    }
+}
+
+impl Heap {
+    /// Two points that stand for the heap: its mean, and how widely it lies in its bin.
+    ///
+    /// Of a heap whose mean is the middle of the bin nothing is known but that it fills it; the
+    /// variance of a beta distribution with that property, `(x-a)(b-x)/3`, goes to that of a
+    /// heap at the bin's edge when the mean does. Not spread, a steep model would see a step
+    /// between two means that are only the means of what overlaps.
+    fn points(&self, changed: bool, ends: (f32, f32)) -> [Point; 2] {
+        let mean = self.sum / self.weight;
+        let room = (mean - ends.0).min(ends.1 - mean).max(0.0);
+        let variance = (mean - ends.0) * (ends.1 - mean) / 3.0;
+        let spread = if room > 0.0 {
+            sqrt(variance).min(room)
+        } else {
+            0.0
+        };
+        [mean - spread, mean + spread].map(|x| Point {
+            x,
+            changed,
+            weight: self.weight / 2.0,
+        })
+    }
 }
 
 /// A number that grows with the logarithm of a positive `x`: its bits.
@@ -54,6 +117,11 @@ pub(super) struct Bin {
 /// straight lines between powers: exact enough to space bins by, and one instruction.
 fn logarithm(x: f32) -> f32 {
     (x.to_bits() >> 8) as f32
+}
+
+/// The inverse of [`logarithm`].
+fn power(logarithm: f32) -> f32 {
+    f32::from_bits((logarithm as u32) << 8)
 }
 
 impl Labels {
@@ -85,14 +153,14 @@ impl Labels {
         let Some(bin) = self.bins.get_mut(place) else {
             return;
         };
-        bin.weight += weight;
-        bin.sum += weight * x;
-        if changed {
-            bin.changed += weight;
-            self.changed += weight;
+        let (heap, total) = if changed {
+            (&mut bin.changed, &mut self.changed)
         } else {
-            self.unchanged += weight;
-        }
+            (&mut bin.unchanged, &mut self.unchanged)
+        };
+        heap.weight += weight;
+        heap.sum += weight * x;
+        *total += weight;
     }
 
     /// Forgets: every weight is multiplied by `share`, within 0 to 1.
@@ -111,9 +179,7 @@ impl Labels {
             return;
         }
         for bin in &mut self.bins {
-            bin.weight *= due;
-            bin.changed *= due;
-            bin.sum *= due;
+            bin.fade(due);
         }
     }
 
@@ -153,7 +219,27 @@ impl Labels {
 
     /// Bins that hold labels, to be looked at once they are settled.
     pub(super) fn bins(&self) -> impl Iterator<Item = &Bin> + Clone {
-        self.bins.iter().filter(|bin| bin.weight > 0.0)
+        self.bins.iter().filter(|bin| bin.weight() > 0.0)
+    }
+
+    /// All labels, as few points.
+    pub(super) fn points(&self) -> impl Iterator<Item = Point> + Clone {
+        let bins = self.bins.iter().enumerate();
+        bins.flat_map(|(place, bin)| {
+            let ends = self.ends(place);
+            [(bin.unchanged, false), (bin.changed, true)]
+                .into_iter()
+                .filter(|(heap, _)| heap.weight > 0.0)
+                .flat_map(move |(heap, changed)| heap.points(changed, ends))
+        })
+    }
+
+    /// The changes that a bin holds; the last holds all beyond, and as nothing is known of how
+    /// far they lie, it is not wider than the others.
+    fn ends(&self, place: usize) -> (f32, f32) {
+        let end = |place: usize| power(self.smallest + place as f32 / self.per_bin);
+        let lower = if place == 0 { 0.0 } else { end(place) };
+        (lower, end(place + 1))
     }
 }
 
@@ -190,7 +276,7 @@ mod tests {
         labels.fade(0.5);
         assert_eq!(labels.total(), 2.0);
         labels.add(&label(0.5, false, 1.0));
-        let weights: Vec<f32> = labels.bins().map(|bin| bin.weight).collect();
+        let weights: Vec<f32> = labels.bins().map(Bin::weight).collect();
         assert_eq!((weights, labels.total()), (vec![3.0], 3.0));
         labels.fade(0.0);
         labels.settle();
@@ -207,7 +293,7 @@ mod tests {
                 labels.add(&label(x, changed, 1.0));
             }
             prop_assert_eq!(labels.total(), xs.len() as f32);
-            let sum: f32 = labels.bins().map(|bin| bin.sum).sum();
+            let sum: f32 = labels.bins().map(Bin::sum).sum();
             let expected: f32 = xs.iter().map(|(x, _)| x).sum();
             prop_assert!((sum - expected).abs() <= 1e-3 * expected.max(1.0));
         }

@@ -106,7 +106,7 @@ impl<S: Sample> ShadowHolds<S> {
         }
     }
 
-    /// Takes the newest sample and command; adds a label for every hold that ends.
+    /// Takes the newest sample and command; adds and tells a label for every hold that ends.
     pub fn take(
         &mut self,
         now: Instant,
@@ -114,6 +114,7 @@ impl<S: Sample> ShadowHolds<S> {
         rule: &Rule,
         lead: &Lead,
         labels: &mut Labels,
+        mut tell: impl FnMut(&Label),
     ) {
         let holds = match rule.pairs {
             Pairs::Published => 1,
@@ -121,7 +122,10 @@ impl<S: Sample> ShadowHolds<S> {
         };
         for hold in self.holds.iter_mut().take(holds) {
             match hold.take(now, newest, rule, lead) {
-                Some(End::Label(label)) => labels.add(&label),
+                Some(End::Label(label)) => {
+                    labels.add(&label);
+                    tell(&label);
+                }
                 Some(End::Overtaken) => labels.add_overtaken(),
                 None => {}
             }
@@ -214,6 +218,7 @@ mod tests {
                 &rule(reference),
                 &Lead::Itself,
                 &mut labels,
+                |_| {},
             );
         }
         labels

@@ -1,0 +1,47 @@
+//! The firmware's threshold under the maximum-likelihood model.
+
+use reflex::reactive::{Fit, Labels, RefitJob};
+use reflex::sensors::Input;
+
+use super::maximum_likelihood::{Likeliest, Sample, likeliest};
+
+/// Probabilities at which thresholds are compared.
+pub(super) const P_RUNS: [f64; 8] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
+
+/// What a comparison came to.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Outcome {
+    /// The largest `|L(x*) - P_run|`, with the library's `L`, over all `P_RUNS`.
+    Off(f64),
+    /// The classes are separated: how far `x*` misses the gap between them, at most, as a share
+    /// of the change at the gap.
+    Misses(f64),
+    /// The firmware made no model: too few labels, or none that tell anything.
+    NoModel,
+    /// The library did not come to the maximum.
+    Unknown,
+}
+
+/// Fits the labels of an input that leads in both ways.
+pub(super) fn compare(binned: &Labels, samples: &[Sample]) -> Outcome {
+    let job = RefitJob {
+        input: Input::Gyro,
+        leads: true,
+        labels: *binned,
+    };
+    let Fit::Model(model) = job.fit().fit else {
+        return Outcome::NoModel;
+    };
+    let crossing = |p_run: f64| f64::from(model.crossing(p_run as f32));
+    let worst = |off: &dyn Fn(f64) -> f64| P_RUNS.into_iter().map(off).fold(0.0, f64::max);
+    match likeliest(samples) {
+        Likeliest::Model(likeliest) => Outcome::Off(worst(&|p_run| {
+            (likeliest.probability(crossing(p_run)) - p_run).abs()
+        })),
+        Likeliest::Unknown => Outcome::Unknown,
+        Likeliest::Separated { below, above } => Outcome::Misses(worst(&|p_run| {
+            let x = crossing(p_run);
+            (below - x).max(x - above).max(0.0) / above
+        })),
+    }
+}

@@ -1,0 +1,131 @@
+//! Thresholds learned on recorded flights, against maximum likelihood on the same labels.
+
+use reflex::sensors::{Input, Inputs};
+use reflex::settings::Settings;
+
+use super::comparison::{Outcome, compare};
+use super::tap::tap;
+use crate::flights::{Flight, Rotate, sample_flight};
+use crate::native::fly;
+use crate::recordings::recording;
+use crate::replay_options::ReplayOptions;
+
+/// Every recorded flight that is at hand, and the one that comes with the crates.
+pub(super) fn flights() -> Vec<Flight> {
+    const NAMES: [&str; 9] = [
+        "ansfl_phantom4_h11",
+        "ap33_solo_acro_crash_mpu6000_lsm303d",
+        "ap33_solo_loiter_mpu6000_lsm303d",
+        "bf42_gecko_cruise",
+        "bf42_kakutef7_ar8_hover",
+        "bf45_speedybee_freestyle",
+        "bf45_speedybee_freestyle_unfilt",
+        "px4_v5_hexa_vib",
+        "px4_v6c_quad_calm",
+    ];
+    let recorded = NAMES.map(|name| recording(&format!("csv/{name}.csv")));
+    let logs = recorded.into_iter().flatten();
+    logs.chain(sample_flight())
+        .map(|log| Flight::read(&log, Rotate::Auto).expect("a flight"))
+        .collect()
+}
+
+/// The triggers that make each of the leading inputs lead.
+pub(super) fn settings() -> [(&'static str, Settings); 3] {
+    let of = |triggers: &[Input]| Settings {
+        triggers: triggers.iter().fold(Inputs::NONE, |all, i| all.with(*i)),
+        ..Settings::default()
+    };
+    let all = Settings::default();
+    let without_command = of(&[
+        Input::Gyro,
+        Input::Accel,
+        Input::ChipAccel,
+        Input::ChipMag,
+        Input::Turned,
+    ]);
+    let turned = of(&[Input::Turned, Input::ChipAccel, Input::ChipMag]);
+    [
+        ("default", all),
+        ("without command", without_command),
+        ("turned and chips", turned),
+    ]
+}
+
+/// The worst of all comparisons of one input.
+#[derive(Clone, Copy, Debug, Default)]
+struct Worst {
+    comparisons: u32,
+    off: f64,
+    beyond: u32,
+    separated: u32,
+    misses: f64,
+    no_model: u32,
+    unknown: u32,
+}
+
+impl Worst {
+    fn take(&mut self, outcome: Outcome) {
+        match outcome {
+            Outcome::Off(off) => {
+                self.comparisons += 1;
+                self.off = self.off.max(off);
+                self.beyond += u32::from(off > BOUND);
+            }
+            Outcome::Misses(by) => {
+                self.separated += 1;
+                self.misses = self.misses.max(by);
+            }
+            Outcome::NoModel => self.no_model += 1,
+            Outcome::Unknown => self.unknown += 1,
+        }
+    }
+}
+
+/// Labels of the rarer class from which a comparison counts.
+const ENOUGH: usize = 30;
+
+/// What the probability at a threshold may be off by.
+const BOUND: f64 = 0.03;
+
+/// Every so many refits, half a second each, an input's labels are compared.
+const EVERY: u32 = 20;
+
+#[test]
+fn thresholds_of_recorded_flights_are_those_of_maximum_likelihood() {
+    for (name, settings) in settings() {
+        let mut worst = [Worst::default(); Input::ALL.len()];
+        for flight in flights() {
+            let options = ReplayOptions {
+                settings,
+                ..ReplayOptions::default()
+            };
+            let calls = fly(&flight, &options).expect("a flight");
+            let mut refits = [0; Input::ALL.len()];
+            tap(&calls, settings, |at, lessons| {
+                let input = lessons.input as usize;
+                refits[input] += 1;
+                if refits[input] % EVERY != 6 || lessons.of_rarer_class() < ENOUGH {
+                    return;
+                }
+                let outcome = compare(&lessons.binned, &lessons.samples());
+                if matches!(outcome, Outcome::Off(off) if off > BOUND) {
+                    let seconds = at.ticks() as f64 * 1e-6;
+                    let input = lessons.input;
+                    println!(
+                        "{} {name} {input:?} {seconds:.1} s {outcome:?}",
+                        flight.name
+                    );
+                }
+                worst[input].take(outcome);
+            });
+        }
+        for input in Input::ALL {
+            let worst = worst[input as usize];
+            println!("{name}, {input:?}: {worst:?}");
+            assert_eq!(worst.beyond, 0, "{name}, {input:?}: {worst:?}");
+            // A bin of the command is 2.3 % wide, and only the command separates the classes.
+            assert!(worst.misses <= 0.023, "{name}, {input:?}: {worst:?}");
+        }
+    }
+}
