@@ -62,6 +62,8 @@ pub struct Autopilot<R> {
     gate: MotorGate,
 
     learners: Learners,
+    /// Models were swapped in since the last run.
+    unjudged: bool,
     supervisor: Supervisor,
     limits: Limits,
     exploration: Exploration,
@@ -102,6 +104,7 @@ impl<R: Recorder> Autopilot<R> {
             arming: Arming::default(),
             gate: MotorGate::default(),
             learners: Learners::new(&settings),
+            unjudged: false,
             supervisor: Supervisor::new(settings.policy, settings.warm_up),
             limits: Limits::default(),
             exploration: Exploration::new(settings.seed),

@@ -110,7 +110,7 @@ fn holds() {
         let now = at_micros(1000 * round as u64);
         let (holds, newest, rule) = black_box((&mut holds, &newest, &rule));
         let (lead, labels) = black_box((&Lead::Command(0.018), &mut labels));
-        measured(|| holds.take(now, newest, rule, lead, labels));
+        measured(|| holds.take(now, newest, rule, lead, labels, |_| {}));
     });
 }
 

@@ -37,7 +37,7 @@ reactive.toml | stable_change = 0.1 | stable_change = 0 | warm_up.stable_change 
 reactive.toml | forgetting_s = 20 | forgetting_s = 0.5 | learning.forgetting_s | 1 to 3600
 reactive.toml | refit_interval_s = 0.5 | refit_interval_s = inf | learning.refit_interval_s | 0.05 to 60
 reactive.toml | exploration_share = 0.00048828125 | exploration_share = 0.2 | learning.exploration_share | 0 to 0.1
-reactive.toml | smallest_change = 0.002 | smallest_change = 0 | inputs.gyro.smallest_change | above 0
+reactive.toml | smallest_change = 0.005 | smallest_change = 0 | inputs.gyro.smallest_change | above 0
 reactive.toml | angle_quantum_rad = 0.02 | angle_quantum_rad = 2 | setpoint.angle_quantum_rad | at most 1 rad
 boards/reflex_f427.toml | imu_rate_hz = 1000 | imu_rate_hz = 8000 | sensors.imu_rate_hz | one of 1000 500
 boards/reflex_f427.toml | chip_accel_rate_hz = 100 | chip_accel_rate_hz = 1344 | sensors.chip_accel_rate_hz | one of 400 200
@@ -66,7 +66,7 @@ airframes/quad_x.toml | spin = "cw" | spin = "left" | motors.2.spin: unknown var
 /// file | text in it | its replacement | what is said
 const UNFIT: &str = r#"
 reactive.toml | longest_s = 30 | longest_s = 2 | warm_up.shortest_s: must be 0 to longest_s
-reactive.toml | smallest_change = 0.002 | smallest_change = 4 | inputs.gyro.smallest_change: must be below
+reactive.toml | smallest_change = 0.005 | smallest_change = 4 | inputs.gyro.smallest_change: must be below
 airframes/quad_x.toml | spin = "cw" | spin = "ccw" | motors: 1 of 4 spin cw, must be half
 boards/reflex_f427.toml | imu_rate_hz = 1000 | imu_rate_hz = 125 | filters.gyro_cutoff_hz: must be 5 to
 selection.toml | airframe = "quad_x" | airframe = "hexa" | airframe: airframes/hexa.toml does not exist, must be one of: quad_x

@@ -131,8 +131,7 @@ impl Chip {
         // A chip that lost its registers, in a reset, is programmed anew at once; patience is for
         // one that goes on failing.
         let worked = self.programmed.is_some();
-        let lost = worked && matches!(result, Err(OrderError::ReadBack { .. }));
-        self.quiet_since = (result.is_err() && !lost).then_some(at);
+        self.quiet_since = (result.is_err() && !worked).then_some(at);
         if result.is_ok() {
             self.seen = at;
         }

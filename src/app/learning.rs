@@ -59,7 +59,7 @@ impl<R: Recorder> Autopilot<R> {
         })
     }
 
-    /// Swaps a fit in, forgets a little, and judges whether the phase ends.
+    /// Swaps a fit in and forgets a little; the next run judges what it means.
     ///
     /// A symbol of its own, so that the lock around it can be measured.
     #[inline(never)]
@@ -87,6 +87,16 @@ impl<R: Recorder> Autopilot<R> {
             .labels
             .fade(1.0 - seconds(REFIT_INTERVAL) / seconds(FORGETTING));
         self.events.push(event);
+        self.unjudged = true;
+    }
+
+    /// What the newest refits mean: whether the phase ends, and the chips' thresholds.
+    ///
+    /// Done with the next run, not under the lock that swaps a model.
+    pub(super) fn judge_refits(&mut self, now: Instant) {
+        if !core::mem::take(&mut self.unjudged) {
+            return;
+        }
         let learned = Input::ALL
             .into_iter()
             .all(|input| self.learners.lesson(input).is_settled() || !self.chips.delivers(input));

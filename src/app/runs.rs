@@ -101,6 +101,7 @@ impl<R: Recorder> Autopilot<R> {
         if let Some(reason) = self.limits.passed(self.settings.p_run) {
             self.move_phase(PhaseEvent::Fail(reason));
         }
+        self.judge_refits(now);
         self.schedule.on_run(now);
         self.learners.on_run(
             motion.sums.angle,

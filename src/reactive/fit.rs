@@ -4,7 +4,7 @@
 //! of each bin's smoothed share, weighted least squares as a start, then Newton steps of the
 //! maximum likelihood on the same bins. Runs in idle, on a copy.
 
-use super::labels::{Bin, Point};
+use super::labels::{BIN_COUNT, Bin, Point};
 use super::logistic::log_odds;
 use super::{Labels, Logistic};
 use crate::config::LABELS_OF_EACH_CLASS;
@@ -80,10 +80,10 @@ impl RefitJob {
 /// The 0.1 % point of the chi-square distribution of one degree of freedom.
 const EVIDENCE: f32 = 10.83;
 
-/// Most looks at the labels: near its end, where it converges quadratically, a fit takes six.
+/// Most Newton steps; near its end, where they converge quadratically, a fit takes six.
 ///
-/// Each costs 170 instructions a point on the target, of which there are up to 120.
-const MOST_LOOKS: u8 = 9;
+/// Each costs some 110 instructions a point on the target, of which there are up to 96.
+const MOST_STEPS: u8 = 14;
 
 /// A step that would raise the log-likelihood by less than this is not worth another look.
 const WORTHWHILE: f32 = 1e-3;
@@ -103,37 +103,43 @@ fn fit(labels: &Labels) -> Fit {
     let Some(start) = least_squares(labels) else {
         return Fit::Unfit;
     };
-    judge(labels, &most_likely(labels, start))
+    // Each step looks at all of them: worth their room on the stack.
+    let points: Points = labels.points().collect();
+    let model = most_likely(&points, start);
+    judge(labels, model, likelihood(&points, model))
 }
 
-/// Newton steps of the maximum likelihood, from a start; the best that was found.
+/// All labels as points.
+type Points = heapless::Vec<Point, { 4 * BIN_COUNT }>;
+
+/// Newton steps of the maximum likelihood, from a start.
 ///
-/// Steps are halved until the likelihood gains: far out the quadratic model overshoots.
-fn most_likely(labels: &Labels, start: Logistic) -> Look {
-    let mut best = Look::at(labels, start);
+/// The likelihood is concave. A step past its top by more than it began before it is halved: far
+/// out the quadratic model overshoots.
+fn most_likely(points: &Points, start: Logistic) -> Logistic {
+    let mut best = Slope::at(points, start);
     let mut share = 1.0;
-    for _ in 1..MOST_LOOKS {
+    for _ in 0..MOST_STEPS {
         let Some(step) = best.step else {
             break;
         };
-        let next = Look::at(
-            labels,
+        let next = Slope::at(
+            points,
             Logistic {
                 b1: best.model.b1 + step.b1 * share,
                 b2: best.model.b2 + step.b2 * share,
             },
         );
-        if next.likelihood > best.likelihood {
+        if next.along(&step) >= -best.along(&step) {
             (best, share) = (next, 1.0);
         } else {
             share *= 0.5;
         }
     }
-    best
+    best.model
 }
 
-fn judge(labels: &Labels, found: &Look) -> Fit {
-    let model = found.model;
+fn judge(labels: &Labels, model: Logistic, likelihood: f32) -> Fit {
     if !(model.b1.is_finite() && model.b2.is_finite()) {
         return Fit::Unfit;
     }
@@ -143,10 +149,29 @@ fn judge(labels: &Labels, found: &Look) -> Fit {
     let (changed, all) = (labels.of_changed(), labels.total());
     let constant =
         changed * libm::logf(changed / all) + (all - changed) * libm::logf((all - changed) / all);
-    if 2.0 * (found.likelihood - constant) < EVIDENCE {
+    if 2.0 * (likelihood - constant) < EVIDENCE {
         return Fit::Irrelevant;
     }
-    Fit::Model(model)
+    Fit::Model(no_steeper_than_a_bin(labels, model))
+}
+
+/// Log-odds from a probability of 1 % to one of 99 %.
+const NEARLY_ALL: f32 = 9.19;
+
+/// The model with the same crossing, its rise no narrower than the bin that it lies in.
+///
+/// Bins cannot tell finer changes apart. Of classes that do not overlap the likelihood rises with
+/// the slope for ever, and a threshold would seem unstable that moves by a thousandth.
+fn no_steeper_than_a_bin(labels: &Labels, model: Logistic) -> Logistic {
+    let crossing = model.crossing(0.5);
+    let steepest = NEARLY_ALL / labels.bin_width(crossing);
+    if model.b2 <= steepest || !steepest.is_finite() {
+        return model;
+    }
+    Logistic {
+        b1: -steepest * crossing,
+        b2: steepest,
+    }
 }
 
 /// Weighted least squares on the smoothed logits of the bins.
@@ -161,51 +186,58 @@ fn least_squares(labels: &Labels) -> Option<Logistic> {
     normal.solve()
 }
 
-/// All labels looked at once, by a model.
-struct Look {
+/// The slope of the log-likelihood at a model.
+struct Slope {
     model: Logistic,
-    /// Logarithm of the labels' likelihood.
-    likelihood: f32,
+    normal: Normal,
     /// The Newton step from here, where it is worth making.
     step: Option<Logistic>,
 }
 
-impl Look {
-    fn at(labels: &Labels, model: Logistic) -> Self {
+impl Slope {
+    fn at(points: &Points, model: Logistic) -> Self {
         // Most of the weight lies around the crossing, which may be far from zero.
         let crossing = model.crossing(0.5);
         let far = model.b2 <= 0.0 || !crossing.is_finite();
         let mut normal = Normal::around(if far { 0.0 } else { crossing.max(0.0) });
-        let mut likelihood = 0.0;
-        for Point { x, changed, weight } in labels.points() {
-            let (share, logarithm) = share_of(model.b1 + model.b2 * x, changed);
-            likelihood += weight * logarithm;
-            let surprise = weight * (1.0 - share);
-            let towards = if changed { surprise } else { -surprise };
-            normal.add(x, surprise * share, towards);
+        for Point { x, changed, weight } in points {
+            let share = model.probability(*x);
+            let outcome = if *changed { 1.0 } else { 0.0 };
+            normal.add(
+                *x,
+                weight * share * (1.0 - share),
+                weight * (outcome - share),
+            );
         }
         let step = normal.solve();
         Self {
             model,
-            likelihood,
-            step: step.filter(|step| normal.gain_of(step) > WORTHWHILE),
+            step: step.filter(|step| 0.5 * normal.along(step) > WORTHWHILE),
+            normal,
         }
+    }
+
+    /// How fast the log-likelihood rises along a step.
+    fn along(&self, step: &Logistic) -> f32 {
+        self.normal.along(step)
     }
 }
 
-/// The probability of an outcome at these log-odds of *changed*, and its logarithm.
-///
-/// One exponential and one logarithm, and no overflow at either end.
-fn share_of(log_odds: f32, changed: bool) -> (f32, f32) {
-    let towards = if changed { log_odds } else { -log_odds };
-    let small = libm::expf(-towards.abs());
-    let whole = 1.0 + small;
-    let logarithm = libm::logf(whole);
-    if towards >= 0.0 {
-        (1.0 / whole, -logarithm)
-    } else {
-        (small / whole, towards - logarithm)
+/// The logarithm of the labels' likelihood.
+fn likelihood(points: &Points, model: Logistic) -> f32 {
+    let of_point = |point: &Point| {
+        let log_odds = model.b1 + model.b2 * point.x;
+        point.weight * log_share(if point.changed { log_odds } else { -log_odds })
+    };
+    points.iter().map(of_point).sum()
+}
+
+/// `ln(L)` of the log-odds, for any: far below zero it is the log-odds themselves.
+fn log_share(log_odds: f32) -> f32 {
+    if log_odds < -15.0 {
+        return log_odds;
     }
+    -libm::logf(1.0 + libm::expf(-log_odds))
 }
 
 /// The normal equations of a line.
@@ -241,10 +273,10 @@ impl Normal {
         self.xy += weighted_y * x;
     }
 
-    /// What a step gains, to second order: half of step times slope.
-    fn gain_of(&self, step: &Logistic) -> f32 {
+    /// A step times the slope that the heights are.
+    fn along(&self, step: &Logistic) -> f32 {
         let at_centre = step.b1 + step.b2 * self.centre;
-        0.5 * (at_centre * self.y + step.b2 * self.xy)
+        at_centre * self.y + step.b2 * self.xy
     }
 
     fn solve(&self) -> Option<Logistic> {

@@ -180,7 +180,7 @@ impl Reader<'_> {
                 1 => MotorProtocol::Pwm,
                 _ => return None,
             },
-            triggers: Inputs::from_bits(triggers | 1),
+            triggers: Inputs::from_bits(triggers),
             pairs: match pairs {
                 0 => Pairs::FirstCrossings,
                 1 => Pairs::WeightedLags,
@@ -200,6 +200,7 @@ impl Reader<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sensors::Input;
     use proptest::prelude::*;
 
     #[test]
@@ -242,7 +243,7 @@ mod tests {
                 failsafe: micros(failsafe),
                 quantum,
                 motors: if pwm { MotorProtocol::Pwm } else { MotorProtocol::OneShot125 },
-                triggers: Inputs::from_bits(triggers | 1),
+                triggers: Inputs::from_bits(triggers).with(Input::Turned),
                 pairs: if published { Pairs::Published } else { Pairs::WeightedLags },
                 feedback: if published { Feedback::Published } else { Feedback::Every },
                 seed,

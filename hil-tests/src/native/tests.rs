@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use reflex::app::{Call, ChipOrder};
+use reflex::sensors::{Input, Inputs};
 use reflex::settings::{Policy, Settings};
 use reflex::time::micros;
 use reflex_drivers::lsm303agr::halves::{Action, Half};
@@ -135,9 +136,13 @@ fn flights_go_on_side_by_side_in_threads_of_the_caller() {
 }
 
 /// A board in the middle of a flight.
-fn in_flight(flight: &Flight, seconds: u64) -> NativeBoard {
+fn in_flight(flight: &Flight, seconds: u64, settings: Settings) -> NativeBoard {
     let setpoints = Setpoints::of(flight);
-    let (mut board, _) = boot(flight, &setpoints, &ReplayOptions::default());
+    let options = ReplayOptions {
+        settings,
+        ..ReplayOptions::default()
+    };
+    let (mut board, _) = boot(flight, &setpoints, &options);
     board.run_until(seconds * 1_000_000_000);
     board
 }
@@ -166,15 +171,16 @@ fn check_that_a_dip_is_noticed(board: &mut NativeBoard) {
             if is_accel(order) && !programs.contains(&words::words_of(*order).1))
     });
     println!("noticed after {noticed:?} ms, programmed again after {again:?} ms");
-    assert!(noticed.is_some_and(|after| after < 250.0), "{noticed:?}");
-    assert!(again.is_some_and(|after| after < 400.0), "{again:?}");
+    let two_failsafe_periods_ms = Settings::default().failsafe.ticks() as f64 * 2e-3;
+    assert!(noticed.is_some_and(|after| after < two_failsafe_periods_ms));
+    assert!(again.is_some_and(|after| after < two_failsafe_periods_ms));
     let rate = board.accel.with(|wired| wired.chip.rate_hz());
     assert_eq!(rate, Some(f64::from(reflex::config::CHIP_ACCEL_RATE)));
 }
 
 #[test]
 fn a_supply_dip_of_an_accelerometer_that_tells_every_sample_is_noticed() {
-    let mut board = in_flight(&gusts(30), 15);
+    let mut board = in_flight(&gusts(30), 15, Settings::default());
     check_that_a_dip_is_noticed(&mut board);
 }
 
@@ -184,7 +190,14 @@ fn a_supply_dip_of_an_accelerometer_that_compares_is_noticed() {
         return;
     };
     let flight = Flight::read(&log, Rotate::Auto).expect("a flight");
-    let mut board = in_flight(&flight, 10);
+    // Where the gyroscope tells first, the chip has nothing to say; and what calls for a run with
+    // less certainty is finer than one of its codes.
+    let settings = Settings {
+        triggers: Inputs::NONE.with(Input::ChipAccel).with(Input::Turned),
+        p_run: 0.9,
+        ..Settings::default()
+    };
+    let mut board = in_flight(&flight, 10, settings);
     let compares = |board: &NativeBoard| board.accel.with(|wired| accel_threshold(&wired.chip));
     while compares(&board).is_none() {
         assert!(
@@ -201,7 +214,7 @@ fn a_supply_dip_of_an_accelerometer_that_compares_is_noticed() {
 
 #[test]
 fn a_supply_dip_of_the_gyro_is_repaired_within_the_failsafe() {
-    let mut board = in_flight(&gusts(30), 10);
+    let mut board = in_flight(&gusts(30), 10, Settings::default());
     let before = board.imu.with(|wired| wired.rises.len());
     board.imu.with(|wired| wired.chip.brown_out(10_000_000_000));
     board.run_until(11_000_000_000);

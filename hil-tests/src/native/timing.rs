@@ -12,18 +12,18 @@ pub(super) const CLOCK_START_NS: u64 = 24_000;
 pub(super) const CHIPS_START_NS: u64 = 20_000;
 /// When the write begins that wakes the MPU6050, ns. Its samples and their noise count from
 /// there: at the right instant this tier sees the very counts that the emulated one sees.
-pub(super) const IMU_WAKE_NS: u64 = 302_850;
+pub(super) const IMU_WAKE_NS: u64 = 312_750;
 /// When the MPU6050 has woken and is configured, ns.
 pub(super) const IMU_START_NS: u64 = 100_990_000;
 /// When start-up ends and interrupts are heard, ns.
-pub(super) const BOOT_NS: u64 = 102_818_000;
+pub(super) const BOOT_NS: u64 = 102_812_000;
 
 /// From an interrupt of the MPU6050 to the START of its burst, ns.
 pub(super) const BURST_START_NS: u64 = 500;
 /// Filtering, summing and comparing a burst, ns.
-pub(super) const ARRIVAL_NS: u64 = 5_500;
+pub(super) const ARRIVAL_NS: u64 = 14_700;
 /// A run, to the last motor register, ns.
-pub(super) const RUN_NS: u64 = 15_000;
+pub(super) const RUN_NS: u64 = 17_700;
 /// From the end of a task, or an interrupt, to the next step of the LSM303AGR's owner, ns.
 pub(super) const CHIPS_STEP_NS: u64 = 3_000;
 /// From a sample to idle, where refits are looked for, and a refit itself, ns.

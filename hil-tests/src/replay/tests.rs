@@ -33,12 +33,13 @@ fn check(report: &Report) {
     }
     assert!(control.by_reason.trigger > 0, "{}", about.log);
     assert!(control.runs < report.score.hyperperiods, "{}", about.log);
-    let gyro = &about.sensors[0];
-    assert_eq!(gyro.state, ModelState::Fit, "{}", about.log);
+    let lead = about.sensors.last().expect("the command");
+    assert_eq!(lead.name, "command_change");
+    assert_eq!(lead.state, ModelState::Fit, "{}", about.log);
     let whole_way = about.latency_parts_us.last().expect("parts");
     let micros = whole_way.micros.expect("runs that the gyro asked for");
     assert!(micros.max < 900.0, "{}: {micros:?}", about.log);
-    assert_eq!(micros.count, gyro.triggers, "{}: runs unmatched", about.log);
+    assert_eq!(micros.count, lead.triggers, "{}: runs unmatched", about.log);
     let unexpected = [
         "imu_bus",
         "imu_overrun",
@@ -57,19 +58,19 @@ fn the_flight_that_comes_with_the_crates_is_flown_reactively() {
     let report = fly(&ReplayOptions::default());
     check(&report);
     assert!(report.score.duration_s > 68.0);
-    let set: u64 = report
-        .about
-        .sensors
-        .iter()
-        .map(|sensor| sensor.chip_thresholds_set)
-        .sum();
-    assert!(set > 0, "no threshold reached a chip");
-    let crossings = report
-        .about
-        .sensors
-        .iter()
-        .map(|sensor| sensor.chip_crossings);
-    assert!(crossings.sum::<u64>() > 0, "no chip ever compared");
+}
+
+/// Where the foreseen command or the gyroscope tells first, the chips have nothing to say; and what
+/// calls for a run with less certainty is finer than one of their codes.
+fn led_by_the_angle() -> Settings {
+    Settings {
+        triggers: Inputs::NONE
+            .with(Input::Turned)
+            .with(Input::ChipAccel)
+            .with(Input::ChipMag),
+        p_run: 0.9,
+        ..Settings::default()
+    }
 }
 
 fn check_recording(name: &str) {
@@ -114,9 +115,10 @@ fn thresholds_of_fitted_models_decide_when_the_chip_interrupts() {
     let report = fly(&ReplayOptions {
         log: Some(log),
         duration_s: Some(40.0),
+        settings: led_by_the_angle(),
         ..ReplayOptions::default()
     });
-    let chips = &report.about.sensors[2..];
+    let chips = &report.about.sensors[2..4];
     assert!(
         chips
             .iter()

@@ -3,7 +3,7 @@
 use reflex::reactive::{Fit, Labels, RefitJob};
 use reflex::sensors::Input;
 
-use super::maximum_likelihood::{Likeliest, Sample, likeliest};
+use super::maximum_likelihood::{Likeliest, Model, Sample, likeliest};
 
 /// Probabilities at which thresholds are compared.
 pub(super) const P_RUNS: [f64; 8] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
@@ -13,8 +13,9 @@ pub(super) const P_RUNS: [f64; 8] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
 pub(super) enum Outcome {
     /// The largest `|L(x*) - P_run|`, with the library's `L`, over all `P_RUNS`.
     Off(f64),
-    /// The classes are separated: how far `x*` misses the gap between them, at most, as a share
-    /// of the change at the gap.
+    /// The classes are separated, or go from one to the other within a bin, which no statistics by
+    /// bins can see: how far `x*` misses the gap between them, or the library's own, at most, as
+    /// a share of the change there.
     Misses(f64),
     /// The firmware made no model: too few labels, or none that tell anything.
     NoModel,
@@ -35,6 +36,12 @@ pub(super) fn compare(binned: &Labels, samples: &[Sample]) -> Outcome {
     let crossing = |p_run: f64| f64::from(model.crossing(p_run as f32));
     let worst = |off: &dyn Fn(f64) -> f64| P_RUNS.into_iter().map(off).fold(0.0, f64::max);
     match likeliest(samples) {
+        Likeliest::Model(likeliest) if is_within_a_bin(&likeliest, binned) => {
+            Outcome::Misses(worst(&|p_run| {
+                let wanted = likeliest.crossing(p_run);
+                (crossing(p_run) - wanted).abs() / wanted
+            }))
+        }
         Likeliest::Model(likeliest) => Outcome::Off(worst(&|p_run| {
             (likeliest.probability(crossing(p_run)) - p_run).abs()
         })),
@@ -44,4 +51,11 @@ pub(super) fn compare(binned: &Labels, samples: &[Sample]) -> Outcome {
             (below - x).max(x - above).max(0.0) / above
         })),
     }
+}
+
+/// Whether a model rises from a tenth to nine tenths within the bin of its crossing.
+fn is_within_a_bin(model: &Model, binned: &Labels) -> bool {
+    let rise = 2.0 * f64::ln(9.0) / model.b2;
+    let width = binned.bin_width(model.crossing(0.5) as f32);
+    model.b2 > 0.0 && rise < f64::from(width)
 }

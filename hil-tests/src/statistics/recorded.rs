@@ -123,12 +123,10 @@ fn thresholds_of_recorded_flights_are_those_of_maximum_likelihood() {
         for input in Input::ALL {
             let worst = worst[input as usize];
             println!("{name}, {input:?}: {worst:?}");
-            // Known and unexplained: the angle turned, where it leads, at 3.8 s of the default
-            // flight is off by 0.31.
-            let known = u32::from(name == "turned and chips" && input == Input::Turned);
-            assert!(worst.beyond <= known, "{name}, {input:?}: {worst:?}");
-            // A bin of the command is 2.3 % wide, and only the command separates the classes.
-            assert!(worst.misses <= 0.023, "{name}, {input:?}: {worst:?}");
+            assert_eq!(worst.beyond, 0, "{name}, {input:?}: {worst:?}");
+            // A bin of the command is up to 4.2 % wide, of the others up to 39 %.
+            let bin = if input == Input::Command { 0.042 } else { 0.39 };
+            assert!(worst.misses <= bin, "{name}, {input:?}: {worst:?}");
         }
     }
 }

@@ -92,18 +92,24 @@ fn every_case(b1s: &[f64], mut look: impl FnMut(&Model, &[Sample], &str)) -> usi
 #[test]
 fn thresholds_of_known_coefficients_are_those_of_maximum_likelihood() {
     for b1 in [-0.5, -1.5, -3.0, -6.0, -9.0, -12.0] {
-        let (mut worst, mut without) = ((0.0, String::new()), 0);
+        let (mut worst, mut without, mut steep) = ((0.0, String::new()), 0, 0);
         let cases = every_case(&[b1], |_, samples, name| {
             match compare(&binned(samples), samples) {
                 Outcome::Off(off) if off > worst.0 => worst = (off, name.to_owned()),
                 Outcome::Off(_) => {}
-                Outcome::Misses(_) | Outcome::Unknown => panic!("{name}: nothing to compare"),
+                // The transition lies within a bin of the gyroscope, which is up to 39 % wide.
+                Outcome::Misses(by) => {
+                    steep += 1;
+                    assert!(by <= 0.39, "{name}: {by}");
+                }
+                Outcome::Unknown => panic!("{name}: nothing to compare"),
                 Outcome::NoModel => without += 1,
             }
         });
-        println!("b1 {b1}: {cases} cases, {without} without a model, worst {worst:?}");
-        // Steeper, a model goes from one outcome to the other within a quarter of a bin.
-        let bound = if b1 < -9.0 { 0.1 } else { 0.03 };
+        println!(
+            "b1 {b1}: {cases} cases, {without} without a model, {steep} steep, worst {worst:?}"
+        );
+        let bound = 0.03;
         assert!(worst.0 <= bound, "{worst:?}");
     }
 }
