@@ -1,4 +1,4 @@
-//! Runs the portable library's parts one by one between marks, for a core that counts.
+//! Runs the portable library's parts one by one between marks.
 //!
 //! Whoever watches the function `mark` sees it called before and after each measurement, in the
 //! order of [`reflex_bench::PARTS`]. Inputs pass through `black_box`: nothing is computed ahead.

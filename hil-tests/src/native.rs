@@ -1,4 +1,4 @@
-//! The native tier: the autopilot in lockstep with a recorded flight, without an emulator.
+//! The native tier: the autopilot in lockstep with a recorded flight.
 //!
 //! ```text
 //! log -> flight -> chip models -> drivers -> [ autopilot ] -> calls -> the same score

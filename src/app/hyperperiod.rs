@@ -1,4 +1,4 @@
-//! Hyperperiods: locked to the samples of the gating inputs, or cut off where one is missing.
+//! Hyperperiods: locked to the samples of the gating inputs.
 //!
 //! An oscillator of its own drives every chip, so that nominal periods never fit each other. A
 //! hyperperiod therefore ends with samples, not with time: when each gating input has delivered

@@ -1,4 +1,4 @@
-//! What `--sweep` and `--svg` add to a replay's arguments, and what they do not go with.
+//! What `--sweep` and `--svg` add to a replay's arguments.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! The text of `--sweep`: parameters with their values, `p-run=0.2..0.9,failsafe=0.01..0.3/5`.
+//! The text of `--sweep`: `p-run=0.2..0.9,failsafe=0.01..0.3/5`.
 
 use super::quantities::{number, share};
 use crate::sweep::{Axis, Grid, Parameter};

@@ -1,4 +1,4 @@
-//! Parts of the library one by one, between the marks of a program that only measures.
+//! Parts of the library one by one, between the marks of a program.
 
 use std::sync::{Arc, Mutex};
 

@@ -1,4 +1,4 @@
-//! What a native replay says around its score: what both tiers know, and nothing else.
+//! What a native replay says around its score: what both tiers know.
 
 use reflex::airframe::{period_ticks, ticks};
 use reflex::app::{Call, Ran};

@@ -1,4 +1,4 @@
-//! Native flights: repeatable, reactive, and like the emulated ones in what matters.
+//! Native flights: repeatable, reactive, and like the emulated ones.
 
 use std::fmt::Write;
 
@@ -221,6 +221,41 @@ fn a_supply_dip_of_the_gyro_is_repaired_within_the_failsafe() {
     let samples = board.imu.with(|wired| wired.rises.len()) - before;
     println!("{samples} samples in the second behind the dip");
     assert!(samples > 700, "{samples} samples");
+}
+
+/// The longest time between two runs, in us.
+fn longest_gap_us(flight: &Flight) -> u64 {
+    let calls = fly(flight, &ReplayOptions::default()).expect("a flight");
+    let runs = calls
+        .iter()
+        .filter(|stamped| matches!(stamped.call, Call::Ran(_)));
+    let at: Vec<u64> = runs.map(|stamped| stamped.at.ticks()).collect();
+    let gaps = at.windows(2).map(|pair| pair[1] - pair[0]);
+    gaps.max().expect("runs")
+}
+
+#[test]
+fn no_recorded_flight_leaves_control_waiting_longer_than_the_failsafe_and_a_hyperperiod() {
+    let bound = (Settings::default().failsafe + reflex::config::HYPERPERIOD).ticks();
+    for name in [
+        "csv/ansfl_phantom4_h11.csv",
+        "csv/ap33_solo_acro_crash_mpu6000_lsm303d.csv",
+        "csv/ap33_solo_loiter_mpu6000_lsm303d.csv",
+        "csv/bf42_gecko_cruise.csv",
+        "csv/bf42_kakutef7_ar8_hover.csv",
+        "csv/bf45_speedybee_freestyle.csv",
+        "csv/bf45_speedybee_freestyle_unfilt.csv",
+        "csv/px4_v5_hexa_vib.csv",
+        "csv/px4_v6c_quad_calm.csv",
+    ] {
+        let Some(log) = recording(name) else {
+            continue;
+        };
+        let flight = Flight::read(&log, Rotate::Auto).expect("a flight");
+        let longest = longest_gap_us(&flight);
+        println!("{name}: {longest} us");
+        assert!(longest <= bound, "{name}: {longest} us");
+    }
 }
 
 /// Runs within 10 %, RMS within 15 %: the tiers' samples differ by microseconds, and with them

@@ -1,4 +1,4 @@
-//! One panel: its axes fitted to its curves, the curves, and labels where there is room.
+//! One panel: axes fitted to its curves, the curves, their labels.
 
 use plotters::chart::{ChartBuilder, ChartContext};
 use plotters::coord::cartesian::Cartesian2d;

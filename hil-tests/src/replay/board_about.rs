@@ -1,4 +1,4 @@
-//! What only the emulated board shows: sizes, latencies, load, its link and its log.
+//! What only the emulated board shows: sizes, latencies, load, log.
 
 use std::collections::BTreeMap;
 

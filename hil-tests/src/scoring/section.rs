@@ -1,4 +1,4 @@
-//! Control, decisions, calibration, actuators: of a whole flight and of its windows.
+//! Control, decisions, calibration, actuators of a flight or a window.
 
 use super::deviation::{Deviation, rate, share};
 use super::flight::{Flight, Step, seconds};

@@ -1,4 +1,4 @@
-//! Figures of `docs/statistics.md`: fitted curves over the labels that they were fitted to.
+//! Figures of `docs/statistics.md`: fitted curves over their labels.
 //!
 //! `REFLEX_BLESS=1 cargo test -p hil-tests --profile hil statistics::figures` rewrites
 //! `docs/figures/*.svg`, those of recordings where they are at hand.

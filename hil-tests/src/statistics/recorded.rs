@@ -1,4 +1,4 @@
-//! Thresholds learned on recorded flights, against maximum likelihood on the same labels.
+//! Thresholds learned on recorded flights, against maximum likelihood.
 
 use reflex::sensors::{Input, Inputs};
 use reflex::settings::Settings;

@@ -1,4 +1,4 @@
-//! The autopilot through its door: what goes wrong, what it falls back to, and back.
+//! What goes wrong, what the autopilot falls back to, and its way back.
 
 use super::*;
 use crate::math::{Quaternion, Vec3};
