@@ -173,7 +173,7 @@ impl Watcher {
                     end_ns: [0; 2],
                 }
             }
-            ..END_OF_WAY => self.way.handled += activation.own,
+            between if between < END_OF_WAY => self.way.handled += activation.own,
             END_OF_WAY => {
                 self.way.handled += activation.own;
                 self.way.end_ns = [activation.entered.ns, activation.left_ns];

@@ -51,6 +51,25 @@ fn sensor(name: &str, state: ModelState) -> Sensor {
     }
 }
 
+fn options() -> Options {
+    Options {
+        rate_hz: None,
+        reference: "last-run".to_owned(),
+        triggers: vec!["gyro".to_owned()],
+        pairs: "first-crossings".to_owned(),
+        feedback: "every".to_owned(),
+        p_run: 0.6,
+        warm_up_s: None,
+        warm_up_rate_hz: 1000.0,
+        failsafe_s: 0.1,
+        quantum: 0.25,
+        motors: "oneshot125".to_owned(),
+        rotate: "none".to_owned(),
+        noise: "datasheet".to_owned(),
+        duration_s: None,
+    }
+}
+
 pub(super) fn about(flight: &Flight) -> About {
     let latency = |reason, micros| LatencySample {
         at_us: flight.last_us(),
@@ -67,22 +86,7 @@ pub(super) fn about(flight: &Flight) -> About {
         tier: Tier::Emulated,
         policy: "reactive".to_owned(),
         seed: 1,
-        options: Options {
-            rate_hz: None,
-            reference: "last-run".to_owned(),
-            triggers: vec!["gyro".to_owned()],
-            pairs: "first-crossings".to_owned(),
-            feedback: "every".to_owned(),
-            p_run: 0.6,
-            warm_up_s: None,
-            warm_up_rate_hz: 1000.0,
-            failsafe_s: 0.1,
-            quantum: 0.25,
-            motors: "oneshot125".to_owned(),
-            rotate: "none".to_owned(),
-            noise: "datasheet".to_owned(),
-            duration_s: None,
-        },
+        options: options(),
         setpoint: SetpointSource::LowPassed,
         gaps: vec![Gap {
             start_s: 0.001,
