@@ -135,7 +135,7 @@ fn labels() {
 fn label(samples: &mut Samples, round: usize) -> Label {
     Label {
         x: samples.around(2.0, 2.0),
-        changed: round % 3 == 0,
+        changed: round.is_multiple_of(3),
         weight: 1.0,
     }
 }

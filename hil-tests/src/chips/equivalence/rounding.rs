@@ -8,7 +8,7 @@ use reflex::config::SETTINGS;
 use reflex::control::Setpoint;
 use reflex::link::Message;
 use reflex::reactive::{Fit, Logistic, Phase, Refit};
-use reflex::sensors::Input;
+use reflex::sensors::{Cause, Input};
 use reflex::settings::{Settings, WarmUp};
 use reflex::time::{at_micros, micros};
 use reflex::units::Thrust;
@@ -125,12 +125,25 @@ impl Flight {
         }
     }
 
+    /// A chip that falls silent, or repeats itself, is not left to compare.
+    fn deliver_samples(&mut self) {
+        let (now, counts) = (at_micros(self.now), [(self.now / 1000) as i16, 0, -8192]);
+        let cause = Cause::DataReady;
+        let _ = self.autopilot.on_chip_accel(now, counts, cause);
+        let _ = self.autopilot.on_chip_mag(now, counts, cause);
+    }
+
     /// Swaps a model in; the threshold it has, and the order that programs it.
     fn program(&mut self, input: Input, threshold: f32) -> (f64, Option<ChipOrder>) {
-        let now = at_micros(self.now);
+        self.deliver_samples();
         let b1 = SETTINGS.p_run.ln() - (1.0 - SETTINGS.p_run).ln() - threshold;
         let fit = Fit::Model(Logistic { b1, b2: 1.0 });
-        self.autopilot.on_refit(now, Refit { input, fit });
+        self.autopilot
+            .on_refit(at_micros(self.now), Refit { input, fit });
+        // What a refit means is judged with the next run.
+        self.now = self.autopilot.deadline().ticks();
+        let now = at_micros(self.now);
+        let _ = self.autopilot.on_timer(now);
         let mut programs = None;
         while let Some(order) = self.autopilot.next_order() {
             self.autopilot.on_order_done(now, order, Ok(()));
