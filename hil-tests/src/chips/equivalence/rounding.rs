@@ -143,6 +143,7 @@ impl Flight {
         // What a refit means is judged with the next run.
         self.now = self.autopilot.deadline().ticks();
         let now = at_micros(self.now);
+        let _ = self.autopilot.on_imu(now, &burst(gusty(self.now)));
         let _ = self.autopilot.on_timer(now);
         let mut programs = None;
         while let Some(order) = self.autopilot.next_order() {
