@@ -4,7 +4,7 @@
 //! thresholds, latches, re-arming and every read-back. Both halves sit behind their own chip
 //! select on one bus, which only the owner uses.
 //!
-//! The owner says what each half shall do with an [`Order`], and fetches a [`Sample`] whenever
+//! The owner says what each half shall do with an [`Action`], and fetches a [`Sample`] whenever
 //! its pin rose. What an interrupt leads to is the owner's affair: nothing here knows of control.
 //!
 //! `upkeep` sets the halves up, checks them, and sets up again what was lost.
