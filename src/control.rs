@@ -5,9 +5,11 @@
 //! stretch of no length the demand is recomputed from the present inputs, and the state stays.
 
 mod attitude_law;
+mod goal;
 mod rate_law;
 mod setpoint;
 
 pub use attitude_law::{AttitudeLaw, Wanted};
+pub use goal::Goal;
 pub use rate_law::{RateInput, RateLaw, RateState, RateStretch};
 pub use setpoint::{Setpoint, Yaw};

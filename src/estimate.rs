@@ -3,7 +3,9 @@
 mod arrival;
 mod attitude;
 mod calibration;
+mod place;
 
 pub use arrival::{Arrival, Increment, Motion, Rotation};
 pub use attitude::AttitudeFilter;
 pub use calibration::{AtRest, GyroCalibration};
+pub use place::Place;
