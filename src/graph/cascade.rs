@@ -22,6 +22,7 @@ use crate::units::TorqueDemand;
 
 graph! {
     /// Attitude and rate loops in cascade, on a complementary filter.
+    #[export_declaration]
     pub struct Cascade;
 
     /// Sums of the arrival stage since the last run.
