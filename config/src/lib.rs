@@ -6,6 +6,7 @@
 //! unknown key, a wrong type or a value out of its range is one line with file, line and key.
 
 mod airframe;
+mod allocation;
 mod board;
 mod document;
 mod error;
@@ -20,6 +21,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 pub use airframe::{Airframe, Motor, Spin};
+pub use allocation::Allocation;
 pub use board::{Board, Calibration, Filters, Link, MotorProtocol, Motors, Sensors};
 pub use error::ConfigError;
 pub use fallback::Fallback;
