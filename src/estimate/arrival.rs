@@ -5,7 +5,8 @@
 //! and alias no vibration; the rate law and the triggers see the filtered sample. The angular
 //! acceleration is derived here too: between rare runs there is no derivative to take.
 
-use crate::config::{ACCEL_CUTOFF, GYRO_CUTOFF, RATE_D_CUTOFF};
+use crate::config::cascade::RATE_D_CUTOFF;
+use crate::config::{ACCEL_CUTOFF, GYRO_CUTOFF};
 use crate::math::Vec3;
 use crate::sensors::{GRAVITY, ImuSample};
 use crate::time::{Instant, seconds, span};
