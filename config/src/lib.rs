@@ -12,6 +12,7 @@ mod document;
 mod error;
 mod fallback;
 mod logic;
+mod logics;
 mod range;
 mod reactive;
 mod rust;
@@ -25,7 +26,7 @@ pub use allocation::Allocation;
 pub use board::{Board, Calibration, Filters, Link, MotorProtocol, Motors, Sensors};
 pub use error::ConfigError;
 pub use fallback::Fallback;
-pub use logic::{Attitude, Cascade, Estimate, Rate};
+pub use logic::Logic;
 pub use reactive::{
     DerivedInput, Feedback, Input, Inputs, Learning, Pairs, Policy, Reactive, Reference, Runs,
     Setpoint, WarmUp, WarmUpLength,
@@ -56,8 +57,8 @@ pub struct Configuration {
     pub board: Board,
     /// Where the motors are.
     pub airframe: Airframe,
-    /// The gains of the control logic.
-    pub logic: Cascade,
+    /// The gains of every control logic, selected or not.
+    pub logics: Vec<Logic>,
 }
 
 /// Reads and checks the configuration in a folder.
@@ -104,7 +105,8 @@ pub fn load_chosen(
     let airframe: Airframe = document.parse()?;
     airframe.check(&document)?;
 
-    let logic: Cascade = selected("logic", "logics", &mut selection.logic)?.parse()?;
+    selected("logic", "logics", &mut selection.logic)?;
+    let logics = logic::load_all(dir)?;
 
     let document = Document::open(&dir.join("reactive.toml"))?;
     let reactive: Reactive = document.parse()?;
@@ -115,12 +117,25 @@ pub fn load_chosen(
         reactive,
         board,
         airframe,
-        logic,
+        logics,
     })
 }
 
 /// The file that a name selects, or what could be selected instead.
 fn selected_file(dir: &Path, folder: &str, name: &str) -> Result<PathBuf, String> {
+    let names = names_in(dir, folder)?;
+    if names.iter().any(|known| known == name) {
+        Ok(dir.join(folder).join(format!("{name}.toml")))
+    } else {
+        let names = names.join(", ");
+        Err(format!(
+            "{folder}/{name}.toml does not exist, must be one of: {names}"
+        ))
+    }
+}
+
+/// The files of a folder in order, without `.toml`.
+fn names_in(dir: &Path, folder: &str) -> Result<Vec<String>, String> {
     let mut names: Vec<String> = std::fs::read_dir(dir.join(folder))
         .map_err(|error| format!("{} cannot be read: {error}", dir.join(folder).display()))?
         .flatten()
@@ -130,12 +145,5 @@ fn selected_file(dir: &Path, folder: &str, name: &str) -> Result<PathBuf, String
         })
         .collect();
     names.sort();
-    if names.iter().any(|known| known == name) {
-        Ok(dir.join(folder).join(format!("{name}.toml")))
-    } else {
-        let names = names.join(", ");
-        Err(format!(
-            "{folder}/{name}.toml does not exist, must be one of: {names}"
-        ))
-    }
+    Ok(names)
 }

@@ -1,62 +1,213 @@
-//! `logics/*.toml`: the gains of a control logic; lists are roll, pitch, yaw.
+//! `logics/*.toml`: the gains of every control logic; lists are roll, pitch, yaw.
+//!
+//! What a file must hold is a table of [`Gain`] in `logics.rs`: the checks and the constants of
+//! the firmware both come from it.
 
-use serde::Deserialize;
+use std::fmt;
+use std::path::Path;
 
-use crate::range;
+use toml::Value;
 
-/// The content of `logics/cascade.toml`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Cascade {
-    /// The attitude estimate.
-    pub estimate: Estimate,
-    /// The attitude loop.
-    pub attitude: Attitude,
-    /// The rate loop.
-    pub rate: Rate,
+use crate::document::Document;
+use crate::logics::LOGICS;
+use crate::{ConfigError, names_in};
+
+/// One gain: where it stands, what it may be and what it means.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Gain {
+    pub section: &'static str,
+    pub key: &'static str,
+    /// The constant's name, where it is not `SECTION_KEY`.
+    pub name: Option<&'static str>,
+    pub shape: Shape,
+    /// Holds for each axis.
+    pub range: Range,
+    pub unit: &'static str,
+    pub meaning: &'static str,
 }
 
-/// The attitude estimate.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Estimate {
-    /// How fast the attitude follows the accelerometer, in 1/s, 0 to 10.
-    #[serde(deserialize_with = "range::correction")]
-    pub accel_correction: f64,
-    /// How fast the heading follows the magnetometer, in 1/s, 0 to 10.
-    #[serde(deserialize_with = "range::correction")]
-    pub heading_correction: f64,
+/// How many numbers a gain has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shape {
+    Number,
+    /// Three: roll, pitch, yaw.
+    Axes,
 }
 
-/// The attitude loop.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Attitude {
-    /// Body rate asked for per radian of error, in 1/s, 0 to 30.
-    #[serde(deserialize_with = "range::attitude_gains")]
-    pub p: [f64; 3],
-    /// Most that is asked for, in rad/s, within (0, 35].
-    #[serde(deserialize_with = "range::rate_limits")]
-    pub rate_limit_rad_s: [f64; 3],
+/// What a number may be; NaN is in no range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Range {
+    pub low: f64,
+    pub high: f64,
+    pub low_excluded: bool,
 }
 
-/// The rate loop.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Rate {
-    /// Share of full authority per rad/s, 0 to 2.
-    #[serde(deserialize_with = "range::proportional_gains")]
-    pub p: [f64; 3],
-    /// Share of full authority per rad, 0 to 5.
-    #[serde(deserialize_with = "range::integral_gains")]
-    pub i: [f64; 3],
-    /// Share of full authority per rad/s2, 0 to 0.1.
-    #[serde(deserialize_with = "range::derivative_gains")]
-    pub d: [f64; 3],
-    /// Corner of the derivative's filter in Hz, 1 to 200.
-    #[serde(deserialize_with = "range::derivative_cutoff")]
-    pub d_cutoff_hz: f64,
-    /// Most that the integral holds, as a share of full authority.
-    #[serde(deserialize_with = "range::share")]
-    pub integral_limit: f64,
+impl Range {
+    fn contains(&self, number: f64) -> bool {
+        (self.low..=self.high).contains(&number) && !(self.low_excluded && number == self.low)
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { low, high, .. } = self;
+        if self.low_excluded {
+            write!(f, "above {low} and at most {high}")
+        } else {
+            write!(f, "{low} to {high}")
+        }
+    }
+}
+
+impl Gain {
+    /// The name of its constant.
+    pub(crate) fn constant(&self) -> String {
+        self.name.map_or_else(
+            || format!("{}_{}", self.section, self.key).to_uppercase(),
+            str::to_owned,
+        )
+    }
+
+    /// Its documentation: meaning, unit, range.
+    pub(crate) fn doc(&self) -> String {
+        let Self { meaning, unit, .. } = self;
+        let order = match self.shape {
+            Shape::Number => "",
+            Shape::Axes => "; roll, pitch, yaw",
+        };
+        format!("{meaning}, in {unit}, {}{order}.", self.range)
+    }
+
+    /// The numbers of a value of the file, or what is wrong with it.
+    fn numbers(&self, value: &Value) -> Result<Vec<f64>, String> {
+        let numbers = match (self.shape, value) {
+            (Shape::Axes, Value::Array(list)) if list.len() == 3 => {
+                list.iter().map(number).collect::<Option<_>>()
+            }
+            (Shape::Axes, Value::Array(list)) => {
+                return Err(format!(
+                    "invalid length {}, must be a list of three numbers: roll, pitch, yaw",
+                    list.len()
+                ));
+            }
+            (Shape::Axes, _) => None,
+            (Shape::Number, value) => number(value).map(|number| vec![number]),
+        };
+        let Some(numbers) = numbers else {
+            let wanted = match self.shape {
+                Shape::Number => "a number",
+                Shape::Axes => "a list of three numbers: roll, pitch, yaw",
+            };
+            return Err(format!("invalid type, must be {wanted}"));
+        };
+        if numbers.iter().all(|&number| self.range.contains(number)) {
+            return Ok(numbers);
+        }
+        let each = match self.shape {
+            Shape::Number => "",
+            Shape::Axes => "each ",
+        };
+        Err(format!(
+            "{} is out of range, must be {each}{} {}",
+            one_line(value),
+            self.range,
+            self.unit
+        ))
+    }
+}
+
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Float(number) => Some(*number),
+        Value::Integer(number) => Some(*number as f64),
+        _ => None,
+    }
+}
+
+fn one_line(value: &Value) -> String {
+    value.to_string().replace('\n', " ")
+}
+
+/// The checked gains of one control logic.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Logic {
+    /// Name of its file, without `.toml`.
+    pub name: &'static str,
+    /// Each gain and its one number or three.
+    pub(crate) values: Vec<(Gain, Vec<f64>)>,
+}
+
+/// Reads and checks every control logic, whether it is selected or not.
+pub(crate) fn load_all(dir: &Path) -> Result<Vec<Logic>, ConfigError> {
+    let known = |name: &String| LOGICS.iter().any(|(logic, _)| logic == name);
+    let names = names_in(dir, "logics").unwrap_or_default();
+    if let Some(stranger) = names.iter().find(|name| !known(name)) {
+        let file = dir.join("logics").join(format!("{stranger}.toml"));
+        let message =
+            "no control logic of this name: config/src/logics.rs has no table of its gains";
+        return Err(ConfigError::of_file(&file, message));
+    }
+    LOGICS
+        .iter()
+        .map(|(name, gains)| {
+            let file = dir.join("logics").join(format!("{name}.toml"));
+            Logic::read(name, gains, &Document::open(&file)?)
+        })
+        .collect()
+}
+
+impl Logic {
+    fn read(name: &'static str, gains: &[Gain], document: &Document) -> Result<Self, ConfigError> {
+        let content: toml::Table = document.parse()?;
+        no_strangers(gains, &content, document)?;
+        let value = |gain: &Gain| {
+            let path = [gain.section, gain.key];
+            let section = content
+                .get(gain.section)
+                .ok_or_else(|| document.error_at(&[gain.section], "section is missing"))?;
+            let value = section.get(gain.key).ok_or_else(|| {
+                document.error_at(&[gain.section], format!("missing key `{}`", gain.key))
+            })?;
+            let numbers = gain
+                .numbers(value)
+                .map_err(|message| document.error_at(&path, message))?;
+            Ok((*gain, numbers))
+        };
+        let values = gains.iter().map(value).collect::<Result<_, _>>()?;
+        Ok(Self { name, values })
+    }
+}
+
+/// No section and no key that the table does not have.
+fn no_strangers(
+    gains: &[Gain],
+    content: &toml::Table,
+    document: &Document,
+) -> Result<(), ConfigError> {
+    for (section, keys) in content {
+        let known: Vec<&Gain> = gains
+            .iter()
+            .filter(|gain| gain.section == section)
+            .collect();
+        if known.is_empty() {
+            let expected = listed(gains.iter().map(|gain| gain.section));
+            return Err(document.error_at(&[section], format!("unknown section, {expected}")));
+        }
+        let Some(keys) = keys.as_table() else {
+            return Err(document.error_at(&[section], "invalid type, must be a section"));
+        };
+        for key in keys.keys() {
+            if !known.iter().any(|gain| gain.key == key) {
+                let expected = listed(known.iter().map(|gain| gain.key));
+                return Err(document.error_at(&[section, key], format!("unknown key, {expected}")));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn listed(names: impl Iterator<Item = &'static str>) -> String {
+    let mut names: Vec<&str> = names.collect();
+    names.dedup();
+    format!("must be one of: {}", names.join(", "))
 }

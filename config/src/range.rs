@@ -88,19 +88,4 @@ ranges! {
         "one of 57600 115200 230400 460800 921600 baud";
     /// A direction in degrees.
     direction: f64 = |x| (0.0..360.0).contains(&x), "0 to 360 degrees, 360 excluded";
-    /// How fast an estimate is corrected, in 1/s.
-    correction: f64 = |x| (0.0..=10.0).contains(&x), "0 to 10 1/s";
-    /// Gains of the attitude loop, in 1/s.
-    attitude_gains: [f64; 3] = |x| x.iter().all(|x| (0.0..=30.0).contains(x)), "each 0 to 30 1/s";
-    /// Limits of the body rates asked for, in rad/s.
-    rate_limits: [f64; 3] = |x| x.iter().all(|&x| x > 0.0 && x <= 35.0),
-        "each above 0 and at most 35 rad/s";
-    /// Proportional gains of the rate loop.
-    proportional_gains: [f64; 3] = |x| x.iter().all(|x| (0.0..=2.0).contains(x)), "each 0 to 2";
-    /// Integral gains of the rate loop.
-    integral_gains: [f64; 3] = |x| x.iter().all(|x| (0.0..=5.0).contains(x)), "each 0 to 5";
-    /// Derivative gains of the rate loop.
-    derivative_gains: [f64; 3] = |x| x.iter().all(|x| (0.0..=0.1).contains(x)), "each 0 to 0.1";
-    /// The corner of the derivative's filter in Hz.
-    derivative_cutoff: f64 = |x| (1.0..=200.0).contains(&x), "1 to 200 Hz";
 }

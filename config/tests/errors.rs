@@ -6,13 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use reflex_config::load;
 
-const FILES: [&str; 5] = [
-    "selection.toml",
-    "reactive.toml",
-    "boards/reflex_f427.toml",
-    "airframes/quad_x.toml",
-    "logics/cascade.toml",
-];
+const FOLDERS: [&str; 4] = ["", "boards", "airframes", "logics"];
 
 /// file | text in it | its replacement | key at fault | range said
 const OUT_OF_RANGE: &str = r#"
@@ -49,6 +43,7 @@ airframes/quad_x.toml | armed_minimum = 0.05 | armed_minimum = 0.5 | armed_minim
 logics/cascade.toml | p = [6.0, 6.0, 3.0] | p = [6.0, -6.0, 3.0] | attitude.p | 0 to 30
 logics/cascade.toml | rate_limit_rad_s = [4.0 | rate_limit_rad_s = [40.0 | attitude.rate_limit_rad_s | at most 35
 logics/cascade.toml | d_cutoff_hz = 20 | d_cutoff_hz = 0 | rate.d_cutoff_hz | 1 to 200 Hz
+logics/cascade.toml | accel_correction = 0.4 | accel_correction = nan | estimate.accel_correction | 0 to 10 1/s
 "#;
 
 /// file | text in it | its replacement | what is said
@@ -60,6 +55,13 @@ reactive.toml | p_run = 0.6 |  | missing field `p_run`
 reactive.toml | gates = true | gates = 1 | inputs.gyro.gates: invalid type
 reactive.toml | p_run = 0.6 | p_run = | string values must be quoted
 logics/cascade.toml | [6.0, 6.0, 3.0] | [6.0, 6.0] | attitude.p: invalid length
+logics/cascade.toml | [6.0, 6.0, 3.0] | [6.0, "much", 3.0] | attitude.p: invalid type
+logics/cascade.toml | d_cutoff_hz = 20 | d_cutoff_hz = [20] | rate.d_cutoff_hz: invalid type
+logics/cascade.toml | d_cutoff_hz = 20 | cutoff = 20 | rate.cutoff: unknown key, must be one of: p, i, d, d_cutoff_hz
+logics/cascade.toml | d_cutoff_hz = 20 |  | rate: missing key `d_cutoff_hz`
+logics/cascade.toml | [attitude] | [altitude] | altitude: unknown section, must be one of: estimate, attitude, rate
+logics/cascade.toml | [estimate] | [[estimate]] | estimate: invalid type
+logics/cascade.toml | d_cutoff_hz = 20 | d_cutoff_hz = | string values must be quoted
 airframes/quad_x.toml | spin = "cw" | spin = "left" | motors.2.spin: unknown variant
 "#;
 
@@ -90,11 +92,18 @@ impl Copied {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let name = format!("config-{}", COUNT.fetch_add(1, Ordering::Relaxed));
         let copy = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-        for folder in ["boards", "airframes", "logics"] {
+        for folder in FOLDERS {
             fs::create_dir_all(copy.join(folder)).unwrap();
-        }
-        for file in FILES {
-            fs::copy(shipped().join(file), copy.join(file)).unwrap();
+            for entry in fs::read_dir(shipped().join(folder)).unwrap() {
+                let file = entry.unwrap().path();
+                if file
+                    .extension()
+                    .is_some_and(|extension| extension == "toml")
+                {
+                    let name = file.file_name().unwrap();
+                    fs::copy(&file, copy.join(folder).join(name)).unwrap();
+                }
+            }
         }
         Self(copy)
     }
@@ -257,6 +266,25 @@ fn five_motors_cannot_balance_and_three_are_too_few() {
     let message = load(&copied.0).unwrap_err().to_string();
     assert!(
         message.ends_with("motors: 3 motors are out of range, must be 4 to 8"),
+        "{message:?}"
+    );
+}
+
+#[test]
+fn a_logic_without_a_table_of_gains_or_without_a_file_is_named() {
+    let copied = Copied::new();
+    let file = copied.0.join("logics/stranger.toml");
+    fs::write(&file, "").unwrap();
+    let message = load(&copied.0).unwrap_err().to_string();
+    assert!(
+        message.contains("logics/stranger.toml: no control logic of this name"),
+        "{message:?}"
+    );
+    fs::remove_file(&file).unwrap();
+    let selection = "logic = \"cascade\"";
+    let message = copied.error_with("selection.toml", selection, "logic = \"stranger\"");
+    assert!(
+        message.contains("logics/stranger.toml does not exist, must be one of: "),
         "{message:?}"
     );
 }

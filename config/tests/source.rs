@@ -12,8 +12,8 @@ fn every_constant_is_documented() {
     let source = source();
     let lines: Vec<&str> = source.lines().collect();
     for (place, line) in lines.iter().enumerate() {
-        if line.starts_with("pub const") {
-            assert!(lines[place - 1].starts_with("/// "), "{line}");
+        if line.trim_start().starts_with("pub const") {
+            assert!(lines[place - 1].trim_start().starts_with("/// "), "{line}");
         }
     }
 }
@@ -27,6 +27,20 @@ fn values_arrive_as_rust_literals() {
         "pub const LONGEST_WARM_UP: Duration = micros(30000000);",
         "pub const RATE_P: [f32; 3] = [0.06, 0.06, 0.1];",
         "quantum: 1.0 / 255.0",
+    ] {
+        assert!(source.contains(expected), "{expected} is not in\n{source}");
+    }
+}
+
+#[test]
+fn every_logic_is_a_module_and_listed_by_its_name() {
+    let source = source();
+    for expected in [
+        "\npub mod cascade {\n",
+        "    /// Body rate asked for per radian of error, in 1/s, 0 to 30; roll, pitch, yaw.\n    \
+         pub const ATTITUDE_P: [f32; 3] = [6.0, 6.0, 3.0];",
+        "[\"cascade::RATE_D_CUTOFF\", \"20.0\", ",
+        "pub const LOGIC: &str = \"cascade\";",
     ] {
         assert!(source.contains(expected), "{expected} is not in\n{source}");
     }

@@ -1,7 +1,7 @@
 //! The outer loop: attitude error to desired body rates, proportional and limited.
 
 use super::{Setpoint, Yaw};
-use crate::config::{ATTITUDE_P, ATTITUDE_RATE_LIMIT};
+use crate::config::cascade::{ATTITUDE_P, ATTITUDE_RATE_LIMIT};
 use crate::math::{Quaternion, Vec3};
 use crate::units::BodyRates;
 

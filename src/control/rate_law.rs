@@ -1,6 +1,6 @@
 //! The inner loop: rate error to torque demands, PID about each axis.
 
-use crate::config::{INTEGRAL_LIMIT, RATE_D, RATE_I, RATE_P};
+use crate::config::cascade::{INTEGRAL_LIMIT, RATE_D, RATE_I, RATE_P};
 use crate::math::{Vec3, limited};
 use crate::units::{BodyRates, TorqueDemand};
 

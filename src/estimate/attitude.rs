@@ -4,7 +4,7 @@
 //! stage, so that its result hardly depends on how often control runs.
 
 use super::Increment;
-use crate::config::{ACCEL_CORRECTION, HEADING_CORRECTION};
+use crate::config::cascade::{ACCEL_CORRECTION, HEADING_CORRECTION};
 use crate::math::{Quaternion, Vec3};
 
 /// Attitude estimate, body to Earth.

@@ -1,0 +1,64 @@
+//! Which gains each control logic has: one table per file of `logics/*.toml`.
+//!
+//! A new gain is one line in its table and a few in the TOML, a new logic a table and its entry
+//! in [`LOGICS`]. Checks and constants both come from here.
+
+mod cascade;
+
+use crate::logic::{Gain, Range, Shape};
+
+/// Every control logic: the name of its file and its gains.
+pub(crate) const LOGICS: &[(&str, &[Gain])] = &[("cascade", cascade::GAINS)];
+
+/// A gain of one number.
+const fn number(path: [&'static str; 2], range: Range, unit: &'static str) -> Gain {
+    let [section, key] = path;
+    Gain {
+        section,
+        key,
+        name: None,
+        shape: Shape::Number,
+        range,
+        unit,
+        meaning: "",
+    }
+}
+
+/// A gain of three numbers: roll, pitch, yaw.
+const fn axes(path: [&'static str; 2], range: Range, unit: &'static str) -> Gain {
+    let mut gain = number(path, range, unit);
+    gain.shape = Shape::Axes;
+    gain
+}
+
+/// From one number to another, both included.
+const fn within(low: f64, high: f64) -> Range {
+    Range {
+        low,
+        high,
+        low_excluded: false,
+    }
+}
+
+/// Above one number and at most another.
+const fn above(low: f64, high: f64) -> Range {
+    Range {
+        low,
+        high,
+        low_excluded: true,
+    }
+}
+
+impl Gain {
+    /// With what it does, in words that end without a full stop.
+    const fn meaning(mut self, meaning: &'static str) -> Self {
+        self.meaning = meaning;
+        self
+    }
+
+    /// With a constant's name that is not made of section and key.
+    const fn named(mut self, name: &'static str) -> Self {
+        self.name = Some(name);
+        self
+    }
+}
