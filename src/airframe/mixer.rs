@@ -46,6 +46,12 @@ impl Mixer {
         }
     }
 
+    /// The shares themselves: of roll, of pitch, of yaw.
+    #[must_use]
+    pub const fn axes(&self) -> [&MotorShares; 3] {
+        [&self.roll, &self.pitch, &self.yaw]
+    }
+
     /// Allocates a demand.
     #[must_use]
     pub fn mix(&self, torque: TorqueDemand, thrust: Thrust) -> Mixed {
