@@ -1,10 +1,12 @@
 //! Control logics as dataflow graphs, a page each, and what all of them are asked.
 
+pub mod arducopter;
 pub mod cascade;
 mod logic;
 #[cfg(test)]
 mod testing;
 
+pub use arducopter::ArduCopter;
 pub use cascade::Cascade;
 pub use logic::ControlLogic;
 
