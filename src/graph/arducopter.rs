@@ -20,8 +20,8 @@
 //! | command | `AP_MotorsMatrix`: thrust raised for the attitude, headroom of yaw |
 //!
 //! # Its gains
-//! Centidegrees and centimetres became rad and m. An output of one moves a motor by half of its
-//! range there and by all of it here, so that rate gains, `IMAX` and `MOT_YAW_HEADROOM` are
+//! Centidegrees and centimetres became rad and m. An output of one moves an X quadrotor's motor
+//! by half of its range there and by all of it here, so that rate gains, `IMAX` and `MOT_YAW_HEADROOM` are
 //! halved (`ATC_RAT_RLL_P` 0.135 is 0.0675). The angle loop halves `ATC_ACCEL_*_MAX` and limits
 //! it; what is left of 1100 and 270 deg/s2 is 550 and 120. `PSC_ACCZ_P` is thrust in thousandths
 //! per cm/s2: 0.5 is 0.05 per m/s2.
@@ -35,7 +35,7 @@
 //! - what other than saturation and hover's tilt guards learning: landing detection.
 
 use super::{ControlLogic, Graph, standard_inputs};
-use crate::airframe::{Mixed, Mixer};
+use crate::airframe::{MIXER, Mixed};
 use crate::config::arducopter::RATE_D_CUTOFF;
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::arducopter::{
@@ -91,7 +91,7 @@ graph! {
 
     /// Thrust of the altitude loop, and of hover as learned.
     state lift: Lift = lifted(
-        &lift, &motion, attitude, last climb, &last setpoint, &last command
+        &lift, &motion, attitude, last climb, &setpoint, &last command
     ), clocked by motion;
     /// Thrust, boosted by what the lean takes from it.
     node thrust: Thrust = boosted(climb, &lift, &setpoint, attitude);
@@ -118,7 +118,7 @@ pub fn hover_of(lift: &Lift) -> f32 {
 
 /// The motor vector of a demand.
 pub fn mixed(torque: TorqueDemand, thrust: Thrust, hover: f32) -> Mixed {
-    shared(&Mixer::default(), torque, thrust, hover)
+    shared(&MIXER, torque, thrust, hover)
 }
 
 impl ControlLogic for ArduCopter {

@@ -23,6 +23,7 @@ use crate::units::TorqueDemand;
 
 graph! {
     /// Attitude and rate loops in cascade, on a complementary filter.
+    #[export_declaration]
     pub struct Cascade;
 
     /// Sums of the arrival stage since the last run.
