@@ -28,6 +28,8 @@ fn constants(output: &Path) -> Result<(), String> {
     };
     let configuration = reflex_config::load_chosen(Path::new("config"), variable)
         .map_err(|error| error.to_string())?;
+    println!("cargo::rustc-check-cfg=cfg(logic, values(any()))");
+    println!("cargo::rustc-cfg=logic={:?}", configuration.selection.logic);
     write(
         &output.join("config.rs"),
         configuration.to_rust().as_bytes(),

@@ -34,7 +34,7 @@
 //!   EKF3, GPS in the drift correction, wind;
 //! - what other than saturation and hover's tilt guards learning: landing detection.
 
-use super::{ControlLogic, Graph, standard_inputs};
+use super::{ControlLogic, place_inputs, standard_inputs};
 use crate::airframe::{MIXER, Mixed};
 use crate::config::arducopter::RATE_D_CUTOFF;
 use crate::config::{CHIP_MAG, GYRO};
@@ -122,11 +122,8 @@ pub fn mixed(torque: TorqueDemand, thrust: Thrust, hover: f32) -> Mixed {
 }
 
 impl ControlLogic for ArduCopter {
-    const NAME: &'static str = "arducopter";
-    const GRAPH: Graph = Self::DESCRIPTION;
-    const DERIVATIVE_CUTOFF: f32 = RATE_D_CUTOFF;
-
-    standard_inputs!();
+    standard_inputs!("arducopter", RATE_D_CUTOFF);
+    place_inputs!();
 
     fn align(&mut self, force: Vec3) {
         self.set_filter(self.filter().aligned(force));
@@ -211,7 +208,7 @@ mod tests {
         for samples in [1, 10, 30] {
             let (mut body, mut logic) = tilted(0.3);
             for _ in 0..3000 / samples {
-                body.hold(samples);
+                body.hold(samples, &logic);
                 body.run(&mut logic);
             }
             let down = body.attitude.down_in_body();
@@ -232,7 +229,7 @@ mod tests {
             ..*logic.setpoint()
         });
         for _ in 0..1000 {
-            body.hold(5);
+            body.hold(5, &logic);
             body.run(&mut logic);
         }
         assert!((body.attitude.heading() - 1.5).abs() < 0.05);
@@ -247,11 +244,11 @@ mod tests {
                 heading: 0.5,
                 ..Goal::default()
             };
-            logic.set_goal(Some(goal));
+            logic.fly_to(Some(goal));
             for sample in 0..30_000 / samples {
-                body.hold(samples);
+                body.hold(samples, &logic);
                 if sample * samples % 20 == 0 {
-                    logic.set_place(body.place());
+                    logic.see(body.place());
                 }
                 body.run(&mut logic);
             }

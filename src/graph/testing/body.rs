@@ -56,15 +56,16 @@ impl Body {
     }
 
     /// Flies on for some milliseconds of samples, with the command held.
-    pub fn hold(&mut self, samples: u32) {
+    pub fn hold<L: ControlLogic>(&mut self, samples: u32, logic: &L) {
         for _ in 0..samples {
             let force = self.step();
             self.samples += 1;
-            let taken = self.arrival.take(&ImuSample {
+            let sample = ImuSample {
                 at: at_micros(self.samples * 1000),
                 rates: BodyRates(self.rates),
                 force: SpecificForce(force),
-            });
+            };
+            let taken = self.arrival.take(&sample, logic.derivative_cutoff());
             assert!(taken, "time moves on evenly");
         }
     }
