@@ -4,6 +4,7 @@
 //! state after a stretch of measured time, `law.demand(&state, input)` what it asks for. After a
 //! stretch of no length the demand is recomputed from the present inputs, and the state stays.
 
+pub mod arducopter;
 mod attitude_law;
 mod goal;
 mod rate_law;

@@ -1,5 +1,6 @@
 //! From samples to what the control logic wants to know: rates and attitude.
 
+pub mod arducopter;
 mod arrival;
 mod attitude;
 mod calibration;

@@ -3,11 +3,13 @@
 //! A new logic is a page here, its gains in `config/logics/` with their table in `config/src/`,
 //! and two lines below.
 
+pub mod arducopter;
 pub mod cascade;
 mod logic;
 #[cfg(test)]
 mod testing;
 
+pub use arducopter::ArduCopter;
 pub use cascade::Cascade;
 pub use logic::ControlLogic;
 
@@ -16,3 +18,6 @@ use logic::{place_inputs, standard_inputs};
 /// The control logic that `config/selection.toml` names.
 #[cfg(logic = "cascade")]
 pub type Flown = Cascade;
+/// The control logic that `config/selection.toml` names.
+#[cfg(logic = "arducopter")]
+pub type Flown = ArduCopter;

@@ -44,6 +44,12 @@ impl<const N: usize> Mixer<N> {
         Self { roll, pitch, yaw }
     }
 
+    /// The shares themselves: of roll, of pitch, of yaw.
+    #[must_use]
+    pub const fn axes(&self) -> [&[f32; N]; 3] {
+        [&self.roll, &self.pitch, &self.yaw]
+    }
+
     /// Allocates a demand.
     #[must_use]
     pub fn mix(&self, torque: TorqueDemand, thrust: Thrust) -> Mixed<N> {
