@@ -4,6 +4,8 @@
 //! Where the motors cannot give everything, roll and pitch are kept before thrust, and thrust
 //! before yaw: a drone that is level can be saved, one that keeps its heading cannot.
 
+mod even;
+
 use super::MotorShares;
 use crate::config::{ARMED_MINIMUM, MOTOR_ANGLES, MOTOR_SPINS, MOTORS};
 use crate::math::sin_cos;
