@@ -5,6 +5,7 @@
 //! stretch of no length the demand is recomputed from the present inputs, and the state stays.
 
 mod attitude_law;
+pub mod cleanflight;
 mod goal;
 mod rate_law;
 mod setpoint;
