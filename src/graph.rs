@@ -1,11 +1,13 @@
 //! Control logics as dataflow graphs, a page each, and what all of them are asked.
 
 pub mod cascade;
+pub mod cleanflight;
 mod logic;
 #[cfg(test)]
 mod testing;
 
 pub use cascade::Cascade;
+pub use cleanflight::Cleanflight;
 pub use logic::ControlLogic;
 
 /// The control logic that `config/selection.toml` names.
