@@ -22,7 +22,7 @@
 //! place behind it on, until it goes; the sticks of the original are the setpoint.
 
 use super::{ControlLogic, Graph, standard_inputs};
-use crate::airframe::{Mixed, Mixer};
+use crate::airframe::{MIXER, Mixed};
 use crate::config::cleanflight::RATE_D_CUTOFF;
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::cleanflight::{
@@ -132,7 +132,7 @@ pub fn summed(
 
 /// The motor vector of a demand.
 pub fn mixed(torque: TorqueDemand, aim: &Aim) -> Mixed {
-    Mixer::default().mix_evenly(torque, aim.thrust)
+    MIXER.mix_evenly(torque, aim.thrust)
 }
 
 impl ControlLogic for Cleanflight {
@@ -275,7 +275,7 @@ mod tests {
                     rates: BodyRates(self.rates),
                     force: SpecificForce(self.attitude.to_body(Vec3::new(0.0, 0.0, -GRAVITY))),
                 };
-                assert!(self.arrival.take(&sample));
+                assert!(self.arrival.take(&sample, RATE_D_CUTOFF));
                 if self.at.is_multiple_of(every) {
                     self.graph.take(&self.arrival.take_motion(), None);
                     self.graph.run();
@@ -323,8 +323,8 @@ mod tests {
                     rates: BodyRates(Vec3::new(roll, pitch, yaw) * swing),
                     force: SpecificForce(Vec3::new(0.0, 0.0, -GRAVITY)),
                 };
-                let known = each.take(&sample) && some.take(&sample);
-                prop_assert!(known);
+                prop_assert!(each.take(&sample, RATE_D_CUTOFF));
+                prop_assert!(some.take(&sample, RATE_D_CUTOFF));
                 often.take(&each.take_motion(), None);
                 often.run();
                 // Where that begins between runs, states take the motion so far.

@@ -27,7 +27,7 @@ fn turned(angle: f32, dt: f32) -> Increment {
 fn mixed(saturated: bool) -> Mixed {
     Mixed {
         saturated,
-        ..crate::airframe::Mixer::default().mix_evenly(TorqueDemand::default(), half())
+        ..crate::airframe::MIXER.mix_evenly(TorqueDemand::default(), half())
     }
 }
 
