@@ -6,6 +6,7 @@
 
 pub mod arducopter;
 mod attitude_law;
+pub mod cleanflight;
 mod goal;
 mod rate_law;
 mod setpoint;

@@ -4,9 +4,11 @@ pub mod arducopter;
 mod arrival;
 mod attitude;
 mod calibration;
+mod mahony;
 mod place;
 
 pub use arrival::{Arrival, Increment, Motion, Rotation};
 pub use attitude::AttitudeFilter;
 pub use calibration::{AtRest, GyroCalibration};
+pub use mahony::{Evidence, MahonyFilter};
 pub use place::Place;

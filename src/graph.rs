@@ -5,12 +5,14 @@
 
 pub mod arducopter;
 pub mod cascade;
+pub mod cleanflight;
 mod logic;
 #[cfg(test)]
 mod testing;
 
 pub use arducopter::ArduCopter;
 pub use cascade::Cascade;
+pub use cleanflight::Cleanflight;
 pub use logic::ControlLogic;
 
 use logic::{place_inputs, standard_inputs};
@@ -21,3 +23,6 @@ pub type Flown = Cascade;
 /// The control logic that `config/selection.toml` names.
 #[cfg(logic = "arducopter")]
 pub type Flown = ArduCopter;
+/// The control logic that `config/selection.toml` names.
+#[cfg(logic = "cleanflight")]
+pub type Flown = Cleanflight;

@@ -5,6 +5,7 @@
 
 mod arducopter;
 mod cascade;
+mod cleanflight;
 
 use crate::logic::{Gain, Range, Shape};
 
@@ -12,6 +13,7 @@ use crate::logic::{Gain, Range, Shape};
 pub(crate) const LOGICS: &[(&str, &[Gain])] = &[
     ("arducopter", arducopter::GAINS),
     ("cascade", cascade::GAINS),
+    ("cleanflight", cleanflight::GAINS),
 ];
 
 /// A gain of one number.

@@ -44,6 +44,8 @@ logics/cascade.toml | p = [6.0, 6.0, 3.0] | p = [6.0, -6.0, 3.0] | attitude.p | 
 logics/cascade.toml | rate_limit_rad_s = [4.0 | rate_limit_rad_s = [40.0 | attitude.rate_limit_rad_s | at most 35
 logics/cascade.toml | d_cutoff_hz = 20 | d_cutoff_hz = 0 | rate.d_cutoff_hz | 1 to 200 Hz
 logics/cascade.toml | accel_correction = 0.4 | accel_correction = nan | estimate.accel_correction | 0 to 10 1/s
+logics/cleanflight.toml | max_lean_rad = 0.873 | max_lean_rad = 50 | level.max_lean_rad | above 0 and at most 1.5 rad
+logics/cleanflight.toml | velocity_p = 0.375 | velocity_p = 375 | altitude.velocity_p | 0 to 2 share of full thrust per m/s
 "#;
 
 /// file | text in it | its replacement | what is said

@@ -5,6 +5,8 @@
 //! pitch are kept before thrust, and thrust before yaw: a drone that is level can be saved, one
 //! that keeps its heading cannot.
 
+mod even;
+
 use crate::config::{ARMED_MINIMUM, MOTOR_PITCH, MOTOR_ROLL, MOTOR_YAW, MOTORS};
 use crate::units::{Thrust, TorqueDemand};
 
