@@ -98,7 +98,12 @@ fn boot(flight: &Flight, setpoints: &Setpoints, options: &ReplayOptions) -> (Nat
     let mut frames = schedule(flight, setpoints, at_rest);
     frames.retain(|frame| frame.at_ns < end_ns);
     let chip_options = chip_options(flight, options);
-    let board = NativeBoard::boot((options.settings, options.logic), &source, chip_options, frames);
+    let board = NativeBoard::boot(
+        (options.settings, options.logic),
+        &source,
+        chip_options,
+        frames,
+    );
     (board, end_ns)
 }
 

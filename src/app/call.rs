@@ -9,8 +9,8 @@
 
 use super::{Autopilot, ChipOrder, Fault, OrderError, Reason};
 use crate::config::MOTORS;
-use crate::link::Message;
 use crate::graph::ControlLogic;
+use crate::link::Message;
 use crate::reactive::{Fit, Label, Refit};
 use crate::sensors::{Cause, IMU_BURST_LENGTH, Input, Inputs};
 use crate::time::{Instant, at_micros};
