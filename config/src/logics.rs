@@ -4,11 +4,13 @@
 //! in [`LOGICS`]. Checks and constants both come from here.
 
 mod cascade;
+mod openpilot;
 
 use crate::logic::{Gain, Range, Shape};
 
 /// Every control logic: the name of its file and its gains.
-pub(crate) const LOGICS: &[(&str, &[Gain])] = &[("cascade", cascade::GAINS)];
+pub(crate) const LOGICS: &[(&str, &[Gain])] =
+    &[("cascade", cascade::GAINS), ("openpilot", openpilot::GAINS)];
 
 /// A gain of one number.
 const fn number(path: [&'static str; 2], range: Range, unit: &'static str) -> Gain {
