@@ -3,9 +3,11 @@
 mod arrival;
 mod attitude;
 mod calibration;
+mod openpilot;
 mod place;
 
 pub use arrival::{Arrival, Increment, Motion, Rotation};
 pub use attitude::AttitudeFilter;
 pub use calibration::{AtRest, GyroCalibration};
+pub use openpilot::{OpenPilotFilter, Turned};
 pub use place::Place;

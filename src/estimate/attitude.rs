@@ -61,7 +61,7 @@ impl AttitudeFilter {
 }
 
 /// Turns in steps that the small-angle formula is exact for.
-fn in_small_turns(attitude: Quaternion, turn: Vec3) -> Quaternion {
+pub(super) fn in_small_turns(attitude: Quaternion, turn: Vec3) -> Quaternion {
     const LARGEST: f32 = 0.25;
     const MOST: u8 = 16;
     let size = turn.max_norm();
