@@ -27,7 +27,7 @@ pub use outcome::Outcome;
 pub use types::{ChipOrder, Fault, Next, OrderError, Reason};
 
 use crate::estimate::{Arrival, GyroCalibration};
-use crate::graph::Cascade;
+use crate::graph::{ControlLogic, Flown};
 use crate::link::ExternalPose;
 use crate::reactive::{Exploration, Limits, Supervisor};
 use crate::safety::{Arming, MotorGate};
@@ -43,7 +43,7 @@ use setpoints::SetpointWatch;
 
 /// The whole flight software above the board.
 #[derive(Debug)]
-pub struct Autopilot<R> {
+pub struct Autopilot<R, L = Flown> {
     recorder: R,
     settings: Settings,
     /// The newest instant that any call carried.
@@ -57,7 +57,9 @@ pub struct Autopilot<R> {
     setpoints: SetpointWatch,
     liveness: Liveness,
 
-    graph: Cascade,
+    graph: L,
+    /// The graph took motion that no run has judged yet.
+    advanced: bool,
     arming: Arming,
     gate: MotorGate,
 
@@ -85,7 +87,7 @@ struct Heading {
     pose_at: Option<Instant>,
 }
 
-impl<R: Recorder> Autopilot<R> {
+impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// On the ground, not calibrated, with checked settings.
     #[must_use]
     pub fn new(settings: Settings, recorder: R) -> Self {
@@ -100,7 +102,8 @@ impl<R: Recorder> Autopilot<R> {
             pose: None,
             setpoints: SetpointWatch::default(),
             liveness: Liveness::default(),
-            graph: Cascade::default(),
+            graph: L::default(),
+            advanced: false,
             arming: Arming::default(),
             gate: MotorGate::default(),
             learners: Learners::new(&settings),
@@ -173,7 +176,7 @@ impl<R: Recorder> Autopilot<R> {
         Telemetry {
             arming: self.arming,
             phase: self.supervisor.phase(),
-            attitude: self.graph.attitude(),
+            attitude: self.graph.estimate(),
             runs: self.schedule.runs(),
             dropped_events: self.events.dropped(),
         }

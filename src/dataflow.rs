@@ -1,114 +1,75 @@
-//! Reactive dataflow: values that know whether they changed, and sets of them.
+//! Reactive dataflow: graphs that recompute only what a change reaches.
 //!
-//! Knows nothing of flight. A graph is a plain struct of [`Value`]s and straight-line code that
-//! recomputes a value when one of its inputs is dirty; propagation stops where a value did not
-//! change. No heap, no pointers, no dynamic dispatch: dirty marks are bits of one word.
+//! Knows nothing of flight. [`graph!`] turns a declaration into a plain struct and straight-line
+//! code: no heap, no pointers, no dynamic dispatch, dirty marks in one word. A value is recomputed
+//! when one that it reads changed, and propagation stops where a value did not change. It is what
+//! the paper's RP-Embedded does (Bregu et al., MobiSys 2016, section 6) with vectors of pointers.
 //!
 //! ```
-//! use reflex::dataflow::{Dirty, Value};
+//! use reflex::dataflow::graph;
 //!
-//! const A: Dirty = Dirty::bit(0);
-//! const SUM: Dirty = Dirty::bit(1);
-//! let (mut a, mut sum) = (Value::new(2), Value::new(5));
-//!
-//! let mut dirty = a.set(4, A);
-//! if dirty.any(A) {
-//!     dirty |= sum.set(a.get() + 3, SUM);
+//! fn smoothed(level: &f32, sample: f32) -> f32 {
+//!     level + 0.5 * (sample - level)
 //! }
-//! assert!(dirty.any(SUM));
-//! assert_eq!(*sum.get(), 7);
-//! assert!(sum.set(7, SUM).is_clean(), "an unchanged value stops propagation");
+//! fn lowest(wanted: f32, level: f32) -> f32 {
+//!     if wanted < level { wanted } else { level }
+//! }
+//!
+//! graph! {
+//!     /// A limit that follows a sensor.
+//!     pub struct Limiter;
+//!
+//!     /// What is measured.
+//!     input sample: f32, at 1000 Hz, gates, triggers;
+//!     /// What is asked for.
+//!     input wanted: f32, at 50 Hz, joins, starting 1.0;
+//!     /// The sensor's level without its noise.
+//!     state level: f32 = smoothed(&level, sample), clocked by sample;
+//!     /// What is given; it moves in steps of a tenth.
+//!     output given: f32 = lowest(wanted, level), quantum 0.1;
+//! }
+//!
+//! let mut limiter = Limiter::new();
+//! limiter.set_sample(0.5);
+//! assert_eq!(limiter.foresee_given(), 0.25);
+//! let changed = limiter.propagate();
+//! assert!(changed.all(Limiter::LEVEL.or(Limiter::GIVEN)));
+//! assert_eq!(*limiter.given(), 0.25);
+//!
+//! limiter.set_wanted(0.3);
+//! assert!(!limiter.propagate().any(Limiter::GIVEN), "the lower one is the same");
 //! ```
+//!
+//! # Lines
+//! | line | is | clauses |
+//! |---|---|---|
+//! | `input NAME: TYPE` | set from outside | `at NUMBER Hz` or `every PERIOD`: the largest rate; `gates`, `gates if CONSTANT`: its period enters the hyperperiod; `triggers`: it may ask for a run; `joins`: neither |
+//! | `state NAME: TYPE = FUNCTION(...)` | remembers; reads its own old value by its name | `clocked by INPUT`: advances exactly when that is set |
+//! | `node NAME: TYPE = FUNCTION(...)` | computed from others | |
+//! | `output NAME: TYPE = FUNCTION(...)` | a node that the world outside reads | |
+//!
+//! Functions are plain `fn`s. An argument is `NAME` for a copy, `&NAME` for a reference, and in a
+//! state also `last NAME` and `&last NAME` for the value from before the run. `quantum SIZE` lets
+//! a computed value tell others only of changes of that size ([`Distance`]): what is stored is
+//! the value last told. `starting VALUE` is an input or a state before anything came in, else
+//! `Default`. The order of lines does not matter.
+//!
+//! # What the compiler checks
+//! Names, cycles, clocks, values that reach no output, and that the hyperperiod, the least common
+//! multiple of the periods of all inputs that gate, is at most [`LONGEST_HYPERPERIOD`].
+//!
+//! # What is generated
+//! `new`, `set_NAME` for inputs and states, `NAME` to read any value, `propagate`,
+//! `foresee_NAME` for outputs, and the constants `NAME` (marks), `HYPERPERIOD`, `STORED_BYTES`,
+//! `DESCRIPTION`. Where every input was set to something new, `propagate` compares nothing.
 
-use core::ops::{BitOr, BitOrAssign};
+mod description;
+mod dirty;
+mod distance;
+mod rates;
 
-/// A set of up to 32 values that changed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Dirty(u32);
-
-impl Dirty {
-    /// Nothing changed.
-    pub const CLEAN: Self = Self(0);
-
-    /// The set of one value; `number` counts from 0 to 31.
-    #[must_use]
-    pub const fn bit(number: u32) -> Self {
-        Self(1 << number)
-    }
-
-    /// Both sets together, also in constants.
-    #[must_use]
-    pub const fn or(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-
-    /// True where some value of `of` changed.
-    #[must_use]
-    pub const fn any(self, of: Self) -> bool {
-        self.0 & of.0 != 0
-    }
-
-    /// True where nothing changed.
-    #[must_use]
-    pub const fn is_clean(self) -> bool {
-        self.0 == 0
-    }
-
-    /// The set, leaving nothing behind.
-    #[must_use]
-    pub const fn take(&mut self) -> Self {
-        core::mem::replace(self, Self::CLEAN)
-    }
-}
-
-impl BitOr for Dirty {
-    type Output = Self;
-    fn bitor(self, other: Self) -> Self {
-        self.or(other)
-    }
-}
-
-impl BitOrAssign for Dirty {
-    fn bitor_assign(&mut self, other: Self) {
-        *self = self.or(other);
-    }
-}
-
-/// A stored value: the one last propagated.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Value<T>(T);
-
-impl<T: PartialEq> Value<T> {
-    /// A value that nobody was told of yet.
-    pub const fn new(value: T) -> Self {
-        Self(value)
-    }
-
-    /// The value last propagated.
-    pub const fn get(&self) -> &T {
-        &self.0
-    }
-
-    /// Takes a new value; `mark` where it differs from the stored one, else clean.
-    #[must_use]
-    pub fn set(&mut self, value: T, mark: Dirty) -> Dirty {
-        if self.0 == value {
-            return Dirty::CLEAN;
-        }
-        self.0 = value;
-        mark
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn taking_a_set_leaves_it_clean() {
-        let mut dirty = Dirty::bit(3) | Dirty::bit(31);
-        let taken = dirty.take();
-        assert!(dirty.is_clean());
-        assert!(taken.any(Dirty::bit(31)) && !taken.any(Dirty::bit(4)));
-    }
-}
+pub use description::{Described, Description, Kind, Read, Source};
+pub use dirty::Dirty;
+pub use distance::Distance;
+pub use rates::{LONGEST_HYPERPERIOD, joint_period, most_updates};
+pub use reflex_dataflow_macros::graph;

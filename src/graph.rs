@@ -1,5 +1,15 @@
-//! Control logics as dataflow graphs, a file each.
+//! Control logics as dataflow graphs, a page each, and what all of them are asked.
 
-mod cascade;
+pub mod cascade;
+mod logic;
+#[cfg(test)]
+mod testing;
 
-pub use cascade::{Cascade, Node};
+pub use cascade::Cascade;
+pub use logic::ControlLogic;
+
+/// The control logic that `config/selection.toml` names.
+pub type Flown = Cascade;
+
+use crate::dataflow::Description as Graph;
+use logic::standard_inputs;

@@ -22,6 +22,9 @@
     )
 )]
 
+// What `dataflow::graph!` generates names this library from outside.
+extern crate self as reflex;
+
 pub mod airframe;
 pub mod app;
 pub mod config;

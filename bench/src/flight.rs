@@ -5,8 +5,8 @@ use core::hint::black_box;
 use oorandom::Rand32;
 use reflex::config::{GYRO, MOTORS};
 use reflex::control::Setpoint;
-use reflex::estimate::{Arrival, Increment};
-use reflex::graph::Cascade;
+use reflex::estimate::Arrival;
+use reflex::graph::{ControlLogic, Flown};
 use reflex::math::Vec3;
 use reflex::reactive::{Held, Label, Labels, Lead, Rule, ShadowHolds};
 use reflex::sensors::{GRAVITY, ImuSample};
@@ -65,17 +65,20 @@ fn arrival() {
 
 fn runs() {
     let (mut arrival, mut samples) = (Arrival::default(), Samples::new());
-    let mut graph = Cascade::default();
+    let mut graph = Flown::default();
     let thrust = Thrust::new(0.5).unwrap_or(Thrust::ZERO);
-    graph.set_setpoint(Setpoint::level(thrust), &Increment::default());
-    graph.propagate();
+    graph.fly(Setpoint::level(thrust));
+    graph.run();
     assert!(arrival.take(&samples.next(0)));
     rounds(FORESEE, |round| {
         let sample = samples.next(round + 1);
         assert!(arrival.take(&sample));
         let motion = arrival.motion();
         let (graph, motion) = black_box((&mut graph, &motion));
-        measured(|| graph.foresee(motion, Some(0.01)));
+        measured(|| {
+            graph.take(motion, Some(0.01));
+            graph.foresee()
+        });
     });
     arrival.take_motion();
     rounds(RUN, |round| {
@@ -84,8 +87,8 @@ fn runs() {
         let motion = arrival.take_motion();
         let (graph, motion) = black_box((&mut graph, &motion));
         measured(|| {
-            graph.set_motion(motion, Some(0.01));
-            graph.propagate()
+            graph.take(motion, Some(0.01));
+            graph.run()
         });
     });
 }

@@ -38,9 +38,9 @@ pub const COMMAND_BELOW: Part = part("trigger test, command, below", 32, Some(TR
 pub const COMMAND_ABOVE: Part = part("trigger test, command, above", 32, Some(TRIGGER_LIMIT));
 /// `Arrival::take`.
 pub const ARRIVAL: Part = part("arrival of one IMU sample", 64, None);
-/// `Cascade::foresee`.
+/// `ControlLogic::take` and `foresee`.
 pub const FORESEE: Part = part("foreseeing the command", 64, None);
-/// `Cascade::set_motion` and `propagate`.
+/// `ControlLogic::take` and `run`.
 pub const RUN: Part = part("run, from motion to command", 64, None);
 /// `ShadowHolds::take`, all candidates.
 pub const HOLDS: Part = part("shadow holds of one input, one sample", 256, None);

@@ -7,6 +7,7 @@
 use super::hyperperiod::GATES;
 use super::{Autopilot, Call, ChipOrder, Fault, OrderError, Recorder};
 use crate::config::{CHIP_ACCEL, CHIP_ACCEL_RATE, CHIP_MAG};
+use crate::graph::ControlLogic;
 use crate::reactive::{FallbackReason, Fit, Phase, PhaseEvent};
 use crate::sensors::{GRAVITY, Input, MAG_SCALE};
 use crate::settings::Reference;
@@ -183,7 +184,7 @@ impl Chips {
     }
 }
 
-impl<R: Recorder> Autopilot<R> {
+impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// The next order for the LSM303AGR, where one is due; the board reports when it is done.
     pub fn next_order(&mut self) -> Option<ChipOrder> {
         let (now, failsafe) = (self.clock, self.settings.failsafe);

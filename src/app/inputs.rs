@@ -6,6 +6,8 @@ use super::setpoints::{SetpointWatch, moved};
 use super::{Autopilot, Call, Fault, Heading, Next, Reason, Recorder};
 use crate::config::AEROBATICS;
 use crate::control::Setpoint;
+use crate::estimate::Motion;
+use crate::graph::ControlLogic;
 use crate::link::{Answer, ExternalPose, Message};
 use crate::math::{Vec3, atan2, wrapped};
 use crate::reactive::{FallbackReason, Phase, PhaseEvent};
@@ -29,7 +31,7 @@ const LEAST_UPRIGHT: f32 = 0.5;
 /// 70 degrees of latitude.
 const WEAKEST_FIELD: f32 = 0.05;
 
-impl<R: Recorder> Autopilot<R> {
+impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// A burst of the MPU6050 was received; `at` is the stamp of its interrupt.
     ///
     /// Filters, sums and compares; ends the hyperperiod where it is the last that gates.
@@ -112,25 +114,32 @@ impl<R: Recorder> Autopilot<R> {
     /// Takes the filtered sample into its inputs, and what can be derived from it.
     fn compare_sample(&mut self, at: Instant) {
         let motion = self.arrival.motion();
-        let heading_error = self.heading_error(at);
         let learners = &mut self.learners;
         let calls = [
             (Input::Gyro, learners.gyro.calls(motion.rotation.rates.0)),
             (Input::Accel, learners.accel.calls(self.arrival.force().0)),
             (Input::Turned, learners.turned_calls(motion.sums.angle)),
-            // Time-triggered control need not foresee what it computes anyway.
-            (
-                Input::Command,
-                learners.command.lesson.triggers
-                    && self.supervisor.phase() == Phase::Reactive
-                    && learners
-                        .command
-                        .calls(self.graph.foresee(&motion, heading_error)),
-            ),
         ];
         for (input, _) in calls.into_iter().filter(|(_, calls)| *calls) {
             self.schedule.ask(input);
         }
+        // Time-triggered control need not foresee what it computes anyway.
+        let foresees =
+            self.supervisor.phase() == Phase::Reactive && self.learners.command.lesson.triggers;
+        if foresees && self.foreseen_calls(at, &motion) {
+            self.schedule.ask(Input::Command);
+        }
+    }
+
+    /// True where the command that a run would come to calls for it.
+    fn foreseen_calls(&mut self, at: Instant, motion: &Motion) -> bool {
+        self.graph.take(motion, self.heading_error(at));
+        let foreseen = self.graph.foresee();
+        let calls = self.learners.command.calls(foreseen.shares);
+        if foreseen.saturated != self.graph.mixed().saturated {
+            self.advance(at);
+        }
+        calls
     }
 
     /// A sample of the LSM303AGR's accelerometer; `at` is the stamp of its interrupt.
@@ -189,7 +198,7 @@ impl<R: Recorder> Autopilot<R> {
             .is_some_and(|pose_at| span(pose_at, at) <= HEADING_LIFE);
         // Where the body is now, not where it was at the last run.
         let turned = self.arrival.motion().sums.angle;
-        let earth = self.graph.attitude().turned_by(turned).to_earth(field);
+        let earth = self.graph.estimate().turned_by(turned).to_earth(field);
         let weak = earth.x.abs().max(earth.y.abs()) < WEAKEST_FIELD;
         if weak || pose_leads || self.bias.is_none() {
             return;
@@ -231,12 +240,11 @@ impl<R: Recorder> Autopilot<R> {
     /// A setpoint joins: the next run uses it. It forces a run once it moved past its quantum.
     fn on_setpoint(&mut self, at: Instant, setpoint: &Setpoint) {
         let first = self.setpoints.at.is_none();
-        let turning = self.setpoints.take(at, self.graph.setpoint(), setpoint);
+        let turning = self.setpoints.take(at, self.graph.flown(), setpoint);
         if turning > AEROBATICS {
             self.move_phase(PhaseEvent::Fail(FallbackReason::Aerobatics));
         }
-        self.graph
-            .set_setpoint(*setpoint, &self.arrival.motion().sums);
+        self.fly(at, *setpoint);
         if first || moved(self.learners.setpoint_of_last_run(), setpoint) {
             self.schedule.ask_for_setpoint();
         }
@@ -249,7 +257,7 @@ impl<R: Recorder> Autopilot<R> {
             self.schedule.force(Reason::Ground);
             return (Next::Hyperperiod, Some(Answer::Accepted));
         }
-        let upright = self.graph.attitude().down_in_body().z >= LEAST_UPRIGHT;
+        let upright = self.graph.estimate().down_in_body().z >= LEAST_UPRIGHT;
         if self.arming == Arming::Disarmed && !upright {
             self.events.push(Event::Refused(Refusal::Tilted));
             return (Next::Wait, Some(Answer::TemporarilyRejected));
@@ -285,8 +293,7 @@ impl<R: Recorder> Autopilot<R> {
             Arming::Armed => PhaseEvent::Armed,
             Arming::Disarmed | Arming::Calibrating => {
                 // The next flight shall not begin with the thrust that this one ended with.
-                self.graph
-                    .set_setpoint(Setpoint::default(), &self.arrival.motion().sums);
+                self.fly(self.clock, Setpoint::default());
                 self.setpoints = SetpointWatch::default();
                 PhaseEvent::Disarmed
             }
@@ -296,7 +303,7 @@ impl<R: Recorder> Autopilot<R> {
 
     fn on_pose(&mut self, at: Instant, pose: &ExternalPose) {
         if let Some(attitude) = pose.attitude {
-            let error = wrapped(attitude.heading() - self.graph.attitude().heading());
+            let error = wrapped(attitude.heading() - self.graph.estimate().heading());
             self.heading = Heading {
                 // Once the pose falls silent, the field holds the heading that it left.
                 field: None,

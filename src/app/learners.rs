@@ -364,6 +364,11 @@ impl Learners {
         self.setpoint = *setpoint;
     }
 
+    /// The graph took motion, but no run came of it: angles are still turned since the last run.
+    pub(super) fn on_advance(&mut self, turned: Vec3) {
+        self.turned_before += turned;
+    }
+
     pub(super) fn setpoint_of_last_run(&self) -> &Setpoint {
         &self.setpoint
     }

@@ -3,12 +3,13 @@
 use super::outcome::Outcome;
 use super::{Autopilot, Call, Fault, Reason, Recorder};
 use crate::config::{FORGETTING, REFIT_INTERVAL};
+use crate::graph::ControlLogic;
 use crate::reactive::{Fit, Phase, Refit, RefitJob};
 use crate::sensors::{Input, Inputs};
 use crate::telemetry::Event;
 use crate::time::{Instant, seconds, span};
 
-impl<R: Recorder> Autopilot<R> {
+impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// What a run taught: `changed` says whether it moved the command by a quantum.
     pub(super) fn learn(&mut self, now: Instant, reason: Reason, asked: Inputs, changed: bool) {
         if matches!(reason, Reason::WarmUp | Reason::Fallback) {

@@ -5,12 +5,13 @@ use super::{Autopilot, Call, Fault, Ran, Reason, Recorder};
 use crate::config::SETPOINT_TIMEOUT;
 use crate::control::Setpoint;
 use crate::estimate::GyroCalibration;
+use crate::graph::ControlLogic;
 use crate::reactive::{FallbackReason, Phase, PhaseEvent, differs};
 use crate::safety::{Arming, ArmingEvent, MotorOutput};
 use crate::telemetry::Event;
 use crate::time::{Instant, span};
 
-impl<R: Recorder> Autopilot<R> {
+impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// The hyperperiod ended: control runs if a run is due.
     ///
     /// The output must be written to the motors at once.
@@ -76,17 +77,17 @@ impl<R: Recorder> Autopilot<R> {
         self.check_chips(now);
         self.check_setpoint(now);
         let blind = self.supervisor.phase() == Phase::Fallback(FallbackReason::ImuLost);
-        self.graph.set_blind(blind);
+        self.graph.go_blind(blind);
         let motion = self.arrival.take_motion();
-        let heading_error = self.heading_error(now);
-        self.graph.set_motion(&motion, heading_error);
-        self.graph.propagate();
+        self.graph.take(&motion, self.heading_error(now));
+        self.graph.run();
+        let moved = core::mem::take(&mut self.advanced) || motion.sums.dt > 0.0;
         if self.arming != Arming::Armed {
             self.graph.reset_integrals();
         }
         let before = *self.gate.applied();
         let refused = self.gate.refused();
-        let output = self.gate.pass(self.arming, self.graph.command());
+        let output = self.gate.pass(self.arming, &self.graph.mixed().shares);
         if self.gate.refused() != refused {
             self.count(Fault::Command);
         }
@@ -95,7 +96,7 @@ impl<R: Recorder> Autopilot<R> {
         let changed = differs(&before, &output.share(), self.settings.quantum);
         // Without new motion a command cannot change, which teaches nothing about sensors; and
         // a setpoint that moved may have changed it whatever they said.
-        if motion.sums.dt > 0.0 && !self.schedule.is_asked_by_setpoint() {
+        if moved && !self.schedule.is_asked_by_setpoint() {
             self.learn(now, reason, asked, changed);
         }
         if let Some(reason) = self.limits.passed(self.settings.p_run) {
@@ -107,7 +108,7 @@ impl<R: Recorder> Autopilot<R> {
             motion.sums.angle,
             self.supervisor.is_learning(),
             &output.share(),
-            self.graph.setpoint(),
+            self.graph.flown(),
         );
         self.chips.on_run();
         self.recorder.record(
@@ -131,6 +132,28 @@ impl<R: Recorder> Autopilot<R> {
         output
     }
 
+    /// A new setpoint, behind the motion that the one before led to.
+    pub(super) fn fly(&mut self, now: Instant, setpoint: Setpoint) {
+        self.advance(now);
+        self.graph.fly(setpoint);
+        self.graph.run();
+    }
+
+    /// The graph takes the motion so far; the motors keep their command.
+    ///
+    /// What states come to depends on what held while time passed, as the setpoint and
+    /// saturation. Where that changes between runs, what is past is taken first, so that states
+    /// do not depend on how often control runs.
+    pub(super) fn advance(&mut self, now: Instant) {
+        let motion = self.arrival.take_motion();
+        if motion.sums.dt > 0.0 {
+            self.graph.take(&motion, self.heading_error(now));
+            self.graph.run();
+            self.learners.on_advance(motion.sums.angle);
+            self.advanced = true;
+        }
+    }
+
     /// A peer that fell silent must not keep the drone leaning: level, heading free.
     fn check_setpoint(&mut self, now: Instant) {
         if self
@@ -139,9 +162,8 @@ impl<R: Recorder> Autopilot<R> {
             .is_some_and(|at| span(at, now) > SETPOINT_TIMEOUT)
         {
             self.setpoints = SetpointWatch::default();
-            let thrust = self.graph.setpoint().thrust;
-            self.graph
-                .set_setpoint(Setpoint::level(thrust), &self.arrival.motion().sums);
+            let thrust = self.graph.flown().thrust;
+            self.fly(now, Setpoint::level(thrust));
             self.events.push(Event::SetpointLost);
         }
     }

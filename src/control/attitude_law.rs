@@ -16,12 +16,7 @@ pub struct AttitudeLaw {
 
 impl Default for AttitudeLaw {
     fn default() -> Self {
-        let [x, y, z] = ATTITUDE_P;
-        let [lx, ly, lz] = ATTITUDE_RATE_LIMIT;
-        Self {
-            gain: Vec3::new(x, y, z),
-            limit: Vec3::new(lx, ly, lz),
-        }
+        Self::CONFIGURED
     }
 }
 
@@ -52,6 +47,12 @@ impl Wanted {
 }
 
 impl AttitudeLaw {
+    /// With the gains of the configuration.
+    pub const CONFIGURED: Self = Self {
+        gain: Vec3::from_array(ATTITUDE_P),
+        limit: Vec3::from_array(ATTITUDE_RATE_LIMIT),
+    };
+
     /// Desired body rates: the setpoint's own, plus what the attitude error asks for.
     #[must_use]
     pub fn wanted(&self, attitude: Quaternion, setpoint: &Setpoint) -> Wanted {

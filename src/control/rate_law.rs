@@ -19,13 +19,7 @@ pub struct RateLaw {
 
 impl Default for RateLaw {
     fn default() -> Self {
-        let vector = |[x, y, z]: [f32; 3]| Vec3::new(x, y, z);
-        Self {
-            proportional: vector(RATE_P),
-            integral: vector(RATE_I),
-            derivative: vector(RATE_D),
-            integral_limit: INTEGRAL_LIMIT,
-        }
+        Self::CONFIGURED
     }
 }
 
@@ -59,6 +53,14 @@ pub struct RateInput {
 }
 
 impl RateLaw {
+    /// With the gains of the configuration.
+    pub const CONFIGURED: Self = Self {
+        proportional: Vec3::from_array(RATE_P),
+        integral: Vec3::from_array(RATE_I),
+        derivative: Vec3::from_array(RATE_D),
+        integral_limit: INTEGRAL_LIMIT,
+    };
+
     /// The state after a stretch of time; one of no length leaves it as it is.
     ///
     /// The integral takes the angle turned, not the newest rate times `dt`: runs that a change

@@ -17,10 +17,10 @@ impl AttitudeFilter {
     /// Starts from a mean specific force at rest (m/s2, body axes), heading zero.
     ///
     /// A force too small to show the vertical leaves the estimate as it is.
-    pub fn align(&mut self, force: Vec3) {
-        if let Some(attitude) = Quaternion::from_up(force) {
-            self.attitude = attitude;
-        }
+    #[must_use]
+    pub fn aligned(&self, force: Vec3) -> Self {
+        let attitude = Quaternion::from_up(force).unwrap_or(self.attitude);
+        Self { attitude }
     }
 
     /// The estimate.
@@ -29,16 +29,10 @@ impl AttitudeFilter {
         self.attitude
     }
 
-    /// Advances by the motion since the last step; `dt` of zero advances nothing.
+    /// The turn (rad, body axes) towards gravity and the measured heading over this motion.
     ///
     /// `heading_error` is by how much (rad, clockwise) the estimate's heading falls short of a
     /// measured one, where there is one.
-    pub fn step(&mut self, motion: &Increment, heading_error: Option<f32>) {
-        let correction = self.correction(motion, heading_error);
-        self.attitude = self.attitude_after(motion, correction);
-    }
-
-    /// The turn (rad, body axes) towards gravity and the measured heading over this motion.
     #[must_use]
     pub fn correction(&self, motion: &Increment, heading_error: Option<f32>) -> Vec3 {
         let down = self.attitude.down_in_body();
@@ -47,16 +41,26 @@ impl AttitudeFilter {
         towards_gravity + down * towards_heading
     }
 
-    /// The estimate that [`Self::step`] would come to with this correction, leaving no trace.
+    /// The filter after the motion since the last step; see [`Self::correction`].
     #[must_use]
-    pub fn attitude_after(&self, motion: &Increment, correction: Vec3) -> Quaternion {
+    pub fn stepped(&self, motion: &Increment, heading_error: Option<f32>) -> Self {
+        self.after(motion, self.correction(motion, heading_error))
+    }
+
+    /// The filter after the motion since the last step, and this correction.
+    ///
+    /// Motion that covers no time advances nothing.
+    #[must_use]
+    pub fn after(&self, motion: &Increment, correction: Vec3) -> Self {
         if motion.dt <= 0.0 {
-            return self.attitude;
+            return *self;
         }
         // First the correction, in the axes that the sums began with, then the motion.
         let turn = motion.angle + motion.coning;
         let turn = turn + correction + correction.cross(turn) * 0.5;
-        in_small_turns(self.attitude, turn)
+        Self {
+            attitude: in_small_turns(self.attitude, turn),
+        }
     }
 }
 
@@ -102,9 +106,9 @@ mod tests {
     #[test]
     fn a_tilted_estimate_levels_while_gravity_is_seen() {
         let mut filter = AttitudeFilter::default();
-        filter.align(Vec3::new(2.0, -1.0, -9.0));
+        filter = filter.aligned(Vec3::new(2.0, -1.0, -9.0));
         for _ in 0..20_000 {
-            filter.step(&still(0.001), None);
+            filter = filter.stepped(&still(0.001), None);
         }
         let down = filter.attitude().down_in_body();
         assert!(
@@ -118,7 +122,7 @@ mod tests {
         let mut filter = AttitudeFilter::default();
         for _ in 0..100_000 {
             let error = wrapped(-3.0 - filter.attitude().heading());
-            filter.step(&still(0.001), Some(error));
+            filter = filter.stepped(&still(0.001), Some(error));
         }
         assert!((filter.attitude().heading() + 3.0).abs() < 1e-2);
     }
@@ -126,9 +130,9 @@ mod tests {
     #[test]
     fn without_time_nothing_advances() {
         let mut filter = AttitudeFilter::default();
-        filter.align(Vec3::new(2.0, -1.0, -9.0));
+        filter = filter.aligned(Vec3::new(2.0, -1.0, -9.0));
         let before = filter;
-        filter.step(&Increment::default(), Some(1.0));
+        filter = filter.stepped(&Increment::default(), Some(1.0));
         assert_eq!(filter, before);
     }
 
@@ -141,9 +145,9 @@ mod tests {
             let rate = Vec3::new(x, y, z);
             for _ in 0..50 {
                 for _ in 0..10 {
-                    often.step(&turning(rate, 0.001), None);
+                    often = often.stepped(&turning(rate, 0.001), None);
                 }
-                rarely.step(&turning(rate, 0.01), None);
+                rarely = rarely.stepped(&turning(rate, 0.01), None);
             }
             prop_assert!(often.attitude().error_to(rarely.attitude()).max_norm() < 1e-3);
         }

@@ -1,354 +1,174 @@
-//! The cascade: attitude loop, rate loop, mixer.
+//! The cascade: attitude loop, rate loop, mixer. Reflex's own, and the default.
 //!
 //! ```text
-//! motion ----+--> attitude --+
-//! heading ---+               +--> wanted rates --+
-//! setpoint ------------------+                   +--> torque --+
-//! rotation --------------------------------------+             +--> command
-//! motion (clock of the integrals) ---------------+             |
-//! setpoint's thrust -------------------------------------------+
+//! motion ----+--> filter --> attitude --+
+//! heading ---+                          +--> wanted --+
+//! setpoint -----------------------------+             +--> torque --+
+//! rotation -------------------------------------------+             +--> command
+//! motion (clock) --> integrals -----------------------+             |
+//! setpoint's thrust ------------------------------------------------+
 //! ```
-//! `motion` clocks every state. The attitude advances when it ticks, the integrals also where one
-//! *stretch* of time ends: a part of the motion in which neither the setpoint nor saturation
-//! changed, so that what they come to does not depend on how often control runs.
+//! `motion` sums what the MPU6050's gyroscope and accelerometer saw since the last run; it clocks
+//! every state, so that what they come to does not depend on how often control runs.
 
-use crate::airframe::{Mixed, Mixer, MotorShares};
-use crate::config::{ARMED_MINIMUM, MOTORS};
+use super::{ControlLogic, Graph, standard_inputs};
+use crate::airframe::{Mixed, Mixer};
+use crate::config::{CHIP_MAG, GYRO, RATE_D_CUTOFF};
 use crate::control::{AttitudeLaw, RateInput, RateLaw, RateState, RateStretch, Setpoint, Wanted};
-use crate::dataflow::{Dirty, Value};
-use crate::estimate::{AttitudeFilter, Increment, Motion, Rotation};
+use crate::dataflow::graph;
+use crate::estimate::{AttitudeFilter, Increment, Rotation};
 use crate::math::{Quaternion, Vec3};
-use crate::units::{BodyRates, TorqueDemand};
+use crate::units::TorqueDemand;
 
-/// The values of the graph, for naming what changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Node {
-    /// Input: sums of the arrival stage.
-    Motion,
-    /// Input: filtered rates and angular acceleration.
-    Rotation,
-    /// Input: what to fly.
-    Setpoint,
-    /// State: attitude estimate.
-    Attitude,
+graph! {
+    /// Attitude and rate loops in cascade, on a complementary filter.
+    pub struct Cascade;
+
+    /// Sums of the arrival stage since the last run.
+    input motion: Increment, every GYRO.period, gates if GYRO.gates, triggers;
+    /// Filtered rates and angular acceleration.
+    input rotation: Rotation, every GYRO.period, gates if GYRO.gates, triggers;
+    /// By how much (rad) the heading falls short of a measured one, where there is one.
+    input heading: Option<f32>, every CHIP_MAG.period, triggers;
+    /// What to fly.
+    input setpoint: Setpoint, at 50 Hz, joins;
+    /// No motion is seen: then thrust is all that is commanded.
+    input blind: bool, at 10 Hz, joins;
+
+    /// The attitude estimate.
+    state filter: AttitudeFilter = advanced(&filter, &motion, heading), clocked by motion;
+    /// Attitude, body to Earth.
+    node attitude: Quaternion = attitude_of(&filter);
     /// What the attitude loop asks for.
-    WantedRates,
+    node wanted: Wanted = attitude_loop(attitude, &setpoint);
+    /// Integral terms of the rate loop.
+    state integrals: RateState = integrated(
+        &integrals, &motion, heading, &last filter, &last wanted, &wanted, &last command
+    ), clocked by motion;
     /// What the rate loop asks for.
-    Torque,
-    /// Output: the motor vector.
-    Command,
+    node torque: TorqueDemand = rate_loop(&integrals, &wanted, &rotation, blind);
+    /// The motor vector.
+    output command: Mixed = mixed(torque, &setpoint);
 }
 
-impl Node {
-    /// This value's mark in a [`Dirty`] set.
-    #[must_use]
-    pub const fn mark(self) -> Dirty {
-        Dirty::bit(self as u32)
-    }
+const ATTITUDE_LAW: AttitudeLaw = AttitudeLaw::CONFIGURED;
+const RATE_LAW: RateLaw = RateLaw::CONFIGURED;
+
+/// The attitude filter after this motion.
+pub fn advanced(
+    filter: &AttitudeFilter,
+    motion: &Increment,
+    heading: Option<f32>,
+) -> AttitudeFilter {
+    filter.stepped(motion, heading)
 }
 
-/// The graph: laws, states and the values last propagated.
-#[derive(Clone, Debug)]
-pub struct Cascade {
-    attitude_law: AttitudeLaw,
-    rate_law: RateLaw,
-    mixer: Mixer,
+/// The attitude that the filter estimates.
+pub fn attitude_of(filter: &AttitudeFilter) -> Quaternion {
+    filter.attitude()
+}
 
-    filter: AttitudeFilter,
-    rate_state: RateState,
+/// Desired rates of an attitude.
+pub fn attitude_loop(attitude: Quaternion, setpoint: &Setpoint) -> Wanted {
+    ATTITUDE_LAW.wanted(attitude, setpoint)
+}
 
-    motion: Increment,
-    /// The motion that the integrals have taken of what the next run will take.
-    integrated: Increment,
-    /// The motors cannot give what is asked for, by the newest command that was computed.
-    saturated: bool,
-    heading_error: Option<f32>,
-    rotation: Value<Rotation>,
-    setpoint: Value<Setpoint>,
-    attitude: Value<Quaternion>,
-    wanted: Value<Wanted>,
-    /// What the newest setpoint asks for, at the attitude of the last run.
-    newest: Wanted,
-    torque: Value<TorqueDemand>,
-    command: Value<Mixed>,
-    /// No motion is seen: torque demands would only repeat the last one.
+/// The integrals after this motion, in which the desired rates moved from one value to another.
+///
+/// They move with the angle turned, to first order; what is left grows from nothing and enters
+/// with a third of its end, as of a parabola.
+pub fn integrated(
+    state: &RateState,
+    motion: &Increment,
+    heading: Option<f32>,
+    before: &AttitudeFilter,
+    wanted_before: &Wanted,
+    wanted: &Wanted,
+    command: &Mixed,
+) -> RateState {
+    let correction = before.correction(motion, heading);
+    // Evenly over the time.
+    let corrected = correction * (0.5 * motion.dt);
+    let linear = wanted_before.integrated(motion.swept + corrected, motion.dt);
+    let beside = wanted.rates.0 - wanted_before.after_turn(motion.angle + correction).0;
+    let stretch = RateStretch {
+        wanted: linear + beside * (motion.dt * (1.0 / 3.0)),
+        turned: motion.angle,
+        saturated: command.saturated,
+    };
+    RATE_LAW.after(state, &stretch)
+}
+
+/// Torque demands; none where no motion is seen.
+///
+/// The last demand, held for ever, would turn the drone over.
+pub fn rate_loop(
+    integrals: &RateState,
+    wanted: &Wanted,
+    rotation: &Rotation,
     blind: bool,
-    dirty: Dirty,
+) -> TorqueDemand {
+    if blind {
+        return TorqueDemand::default();
+    }
+    let input = RateInput {
+        wanted: wanted.rates,
+        measured: rotation.rates,
+        acceleration: rotation.acceleration,
+    };
+    RATE_LAW.demand(integrals, &input)
 }
 
-/// What a run would come to, short of torque and mixer.
-struct Ahead {
-    wanted: BodyRates,
-    rate_state: RateState,
+/// The motor vector of a demand.
+pub fn mixed(torque: TorqueDemand, setpoint: &Setpoint) -> Mixed {
+    Mixer::default().mix(torque, setpoint.thrust)
 }
 
-impl Default for Cascade {
-    fn default() -> Self {
-        Self {
-            attitude_law: AttitudeLaw::default(),
-            rate_law: RateLaw::default(),
-            mixer: Mixer::default(),
-            filter: AttitudeFilter::default(),
-            rate_state: RateState::default(),
-            motion: Increment::default(),
-            integrated: Increment::default(),
-            saturated: false,
-            heading_error: None,
-            rotation: Value::default(),
-            setpoint: Value::default(),
-            attitude: Value::default(),
-            wanted: Value::default(),
-            newest: Wanted::default(),
-            torque: Value::default(),
-            command: Value::new(Mixed {
-                shares: [ARMED_MINIMUM; MOTORS],
-                saturated: false,
-            }),
-            blind: false,
-            // The first propagation computes everything once.
-            dirty: Node::Setpoint.mark(),
-        }
-    }
-}
+impl ControlLogic for Cascade {
+    const NAME: &'static str = "cascade";
+    const GRAPH: Graph = Self::DESCRIPTION;
+    const DERIVATIVE_CUTOFF: f32 = RATE_D_CUTOFF;
 
-impl Cascade {
-    /// Starts the attitude from a mean specific force at rest, in m/s2.
-    pub fn align(&mut self, force: Vec3) {
-        self.filter.align(force);
-        self.dirty |= Node::Attitude.mark();
+    standard_inputs!();
+
+    fn align(&mut self, force: Vec3) {
+        self.set_filter(self.filter().aligned(force));
     }
 
-    /// Forgets integrals: for the ground, where they only wind up.
-    pub fn reset_integrals(&mut self) {
-        self.rate_state = RateState::default();
-    }
-
-    /// New motion, and the error of the heading in rad where one was measured.
-    pub fn set_motion(&mut self, motion: &Motion, heading_error: Option<f32>) {
-        if motion.sums.dt > 0.0 {
-            self.motion = motion.sums;
-            self.heading_error = heading_error;
-            self.dirty |= Node::Motion.mark();
-        }
-        let mark = Node::Rotation.mark();
-        self.dirty |= self.rotation.set(motion.rotation, mark);
-    }
-
-    /// Whether motion is no longer seen: then thrust is all that is commanded.
-    ///
-    /// The last torque demand, held for ever, would turn the drone over.
-    pub fn set_blind(&mut self, blind: bool) {
-        if blind != self.blind {
-            self.blind = blind;
-            self.dirty |= Node::Rotation.mark();
-        }
-    }
-
-    /// A new setpoint, given when this motion since the last run was summed.
-    pub fn set_setpoint(&mut self, setpoint: Setpoint, so_far: &Increment) {
-        self.end_stretch(so_far);
-        self.dirty |= self.setpoint.set(setpoint, Node::Setpoint.mark());
-        self.newest = self.attitude_law.wanted(self.attitude(), &setpoint);
-    }
-
-    /// The setpoint in force.
-    #[must_use]
-    pub fn setpoint(&self) -> &Setpoint {
-        self.setpoint.get()
-    }
-
-    /// The attitude estimate last propagated.
-    #[must_use]
-    pub fn attitude(&self) -> Quaternion {
-        *self.attitude.get()
-    }
-
-    /// Runs the slice that the changed inputs reach; says which values changed.
-    pub fn propagate(&mut self) -> Dirty {
-        use Node::{Attitude, Motion, Rotation, Setpoint, Torque, WantedRates};
-        let mut dirty = self.dirty.take();
-        if dirty.any(Motion.mark()) {
-            let motion = self.motion;
-            self.end_stretch(&motion);
-            self.integrated = Increment::default();
-            self.filter.step(&motion, self.heading_error);
-        }
-        if dirty.any(Motion.mark().or(Attitude.mark())) {
-            dirty |= self.attitude.set(self.filter.attitude(), Attitude.mark());
-        }
-        if dirty.any(Attitude.mark().or(Setpoint.mark())) {
-            self.newest = self
-                .attitude_law
-                .wanted(*self.attitude.get(), self.setpoint.get());
-            dirty |= self.wanted.set(self.newest, WantedRates.mark());
-        }
-        if dirty.any(Motion.mark().or(Rotation.mark()).or(WantedRates.mark())) {
-            let wanted = self.wanted.get().rates;
-            let torque = self.torque(&self.rate_state, wanted, self.rotation.get());
-            dirty |= self.torque.set(torque, Torque.mark());
-        }
-        if dirty.any(Torque.mark().or(Setpoint.mark())) {
-            let mixed = self
-                .mixer
-                .mix(*self.torque.get(), self.setpoint.get().thrust);
-            self.saturated = mixed.saturated;
-            dirty |= self.command.set(mixed, Node::Command.mark());
-        }
-        dirty
-    }
-
-    fn torque(&self, state: &RateState, wanted: BodyRates, rotation: &Rotation) -> TorqueDemand {
-        if self.blind {
-            return TorqueDemand::default();
-        }
-        let input = RateInput {
-            wanted,
-            measured: rotation.rates,
-            acceleration: rotation.acceleration,
-        };
-        self.rate_law.demand(state, &input)
-    }
-
-    /// The integrals take the motion up to here, which is all of one stretch.
-    fn end_stretch(&mut self, so_far: &Increment) {
-        let ahead = self.ahead(so_far, self.heading_error);
-        self.rate_state = ahead.rate_state;
-        self.integrated = *so_far;
-    }
-
-    /// What the states and the desired rates would come to after the motion up to here.
-    fn ahead(&self, so_far: &Increment, heading_error: Option<f32>) -> Ahead {
-        let correction = self.filter.correction(so_far, heading_error);
-        let attitude = self.filter.attitude_after(so_far, correction);
-        let wanted = self
-            .attitude_law
-            .wanted(attitude, self.setpoint.get())
-            .rates;
-        let part = so_far.since(&self.integrated);
-        if part.dt <= 0.0 {
-            return Ahead {
-                wanted,
-                rate_state: self.rate_state,
-            };
-        }
-        // Evenly over the time since the last run.
-        let corrected = correction * (0.5 * part.dt * (1.0 + self.integrated.dt / so_far.dt));
-        let linear = self.newest.integrated(part.swept + corrected, part.dt);
-        let beside = wanted.0 - self.newest.after_turn(so_far.angle + correction).0;
-        let stretch = RateStretch {
-            wanted: linear + beside * (part.dt * (1.0 / 3.0)),
-            turned: part.angle,
-            saturated: self.saturated,
-        };
-        Ahead {
-            wanted,
-            rate_state: self.rate_law.after(&self.rate_state, &stretch),
-        }
-    }
-
-    /// The command that a run would come to now: the very same estimator, laws and mixer.
-    ///
-    /// Advances nothing, but that a stretch ends where the motors begin or cease to saturate.
-    pub fn foresee(&mut self, motion: &Motion, heading_error: Option<f32>) -> MotorShares {
-        self.heading_error = heading_error;
-        let Ahead { wanted, rate_state } = self.ahead(&motion.sums, heading_error);
-        let torque = self.torque(&rate_state, wanted, &motion.rotation);
-        let mixed = self.mixer.mix(torque, self.setpoint.get().thrust);
-        if mixed.saturated != self.saturated {
-            self.rate_state = rate_state;
-            self.integrated = motion.sums;
-            self.saturated = mixed.saturated;
-        }
-        mixed.shares
-    }
-
-    /// The command last propagated.
-    #[must_use]
-    pub fn command(&self) -> &MotorShares {
-        &self.command.get().shares
+    fn reset_integrals(&mut self) {
+        self.set_integrals(RateState::default());
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensors::GRAVITY;
+    use crate::graph::testing::{settled, turning, visited};
     use crate::units::Thrust;
-
-    const ALL: [Node; 7] = [
-        Node::Motion,
-        Node::Rotation,
-        Node::Setpoint,
-        Node::Attitude,
-        Node::WantedRates,
-        Node::Torque,
-        Node::Command,
-    ];
-
-    fn visited(dirty: Dirty) -> String {
-        let names: Vec<String> = ALL
-            .into_iter()
-            .filter(|node| dirty.any(node.mark()))
-            .map(|node| format!("{node:?}"))
-            .collect();
-        names.join(" ")
-    }
-
-    fn settled() -> Cascade {
-        let mut graph = Cascade::default();
-        graph.set_setpoint(
-            Setpoint::level(Thrust::new(0.5).expect("in range")),
-            &Increment::default(),
-        );
-        graph.propagate();
-        graph
-    }
-
-    fn turning(rate: f32, sums: Increment) -> Motion {
-        Motion {
-            sums,
-            rotation: Rotation {
-                rates: BodyRates(Vec3::new(rate, 0.0, 0.0)),
-                acceleration: Vec3::ZERO,
-            },
-        }
-    }
 
     #[test]
     fn each_input_reaches_its_own_slice() {
-        let mut graph = settled();
-        assert_eq!(visited(graph.propagate()), "");
+        let mut graph: Cascade = settled();
+        assert_eq!(visited(&mut graph), "");
 
-        graph.set_motion(&turning(0.1, Increment::default()), None);
-        assert_eq!(visited(graph.propagate()), "Rotation Torque Command");
+        graph.set_rotation(turning(0.1).rotation);
+        assert_eq!(visited(&mut graph), "rotation torque command");
 
-        graph.set_setpoint(
-            Setpoint::level(Thrust::new(0.6).expect("in range")),
-            &Increment::default(),
-        );
-        assert_eq!(visited(graph.propagate()), "Setpoint Command");
+        graph.set_setpoint(Setpoint::level(Thrust::new(0.6).expect("in range")));
+        assert_eq!(visited(&mut graph), "setpoint command");
 
-        let motion = Increment {
-            angle: Vec3::new(0.01, 0.0, 0.0),
-            coning: Vec3::ZERO,
-            swept: Vec3::ZERO,
-            velocity: Vec3::new(0.0, 0.0, -GRAVITY * 0.001),
-            down: Vec3::new(0.0, 0.0, 0.001),
-            dt: 0.001,
-        };
-        graph.set_motion(&turning(0.2, motion), None);
+        graph.take(&turning(0.2), None);
         assert_eq!(
-            visited(graph.propagate()),
-            "Motion Rotation Attitude WantedRates Torque Command"
+            visited(&mut graph),
+            "motion rotation filter attitude wanted integrals torque command"
         );
     }
 
     #[test]
     fn an_input_set_to_the_same_value_reaches_nothing() {
-        let mut graph = settled();
-        graph.set_setpoint(*graph.setpoint(), &Increment::default());
-        graph.set_motion(&Motion::default(), None);
-        assert_eq!(visited(graph.propagate()), "");
+        let mut graph: Cascade = settled();
+        graph.set_setpoint(*graph.setpoint());
+        graph.set_rotation(*graph.rotation());
+        assert_eq!(visited(&mut graph), "");
     }
 }

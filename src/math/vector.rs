@@ -24,6 +24,12 @@ impl Vec3 {
         Self { x, y, z }
     }
 
+    /// A vector of its components, in order.
+    #[must_use]
+    pub const fn from_array([x, y, z]: [f32; 3]) -> Self {
+        Self { x, y, z }
+    }
+
     /// The components, in order.
     #[must_use]
     pub const fn to_array(self) -> [f32; 3] {

@@ -1,0 +1,124 @@
+//! As many a firmware does it: a callback for each value, called by what it reads.
+//!
+//! From every input that changed, depth first through function pointers; where paths meet again,
+//! a value is computed once for each of them. What the last callback leaves is right, as each
+//! value is computed again behind every change of what it reads.
+
+use proc_macro2::TokenStream;
+use quote::{format_ident, quote};
+
+use super::{call, differs, mark, measured};
+use crate::graph::{Computed, Value};
+use crate::plan::Plan;
+
+/// The graph's type and its methods.
+pub fn graph(plan: &Plan) -> TokenStream {
+    let (attributes, visibility) = (&plan.graph.attributes, &plan.graph.visibility);
+    let name = &plan.graph.name;
+    let (fields, start, literal) = (
+        measured::fields(plan),
+        measured::start(plan),
+        measured::literal(plan),
+    );
+    let methods = [
+        measured::marks(plan),
+        measured::setters(plan),
+        measured::getters(plan),
+        propagate(plan),
+    ];
+    let callbacks = plan.computed().map(|(value, it)| callback(plan, value, it));
+    let subscribers = plan
+        .graph
+        .values
+        .iter()
+        .map(|value| subscribers(plan, value));
+    let count = plan.graph.values.len();
+    quote! {
+        #(#attributes)*
+        #[derive(Clone, Debug)]
+        #visibility struct #name {
+            #fields
+            subscribers: [&'static [fn(&mut Self)]; #count],
+            dirty: ::reflex::dataflow::Dirty,
+            ticked: ::reflex::dataflow::Dirty,
+        }
+
+        #[allow(missing_docs)]
+        impl #name {
+            const SUBSCRIBERS: [&'static [fn(&mut Self)]; #count] = [#(#subscribers),*];
+
+            #[must_use]
+            pub fn new() -> Self {
+                #start
+                Self {
+                    #literal
+                    // Registered at run time: the compiler must not see through them.
+                    subscribers: ::core::hint::black_box(Self::SUBSCRIBERS),
+                    dirty: ::reflex::dataflow::Dirty::CLEAN,
+                    ticked: ::reflex::dataflow::Dirty::CLEAN,
+                }
+            }
+            #(#methods)*
+            #(#callbacks)*
+
+            fn tell(subscribers: &'static [fn(&mut Self)], graph: &mut Self) {
+                for callback in subscribers {
+                    callback(graph);
+                }
+            }
+        }
+
+        impl ::core::default::Default for #name {
+            fn default() -> Self { Self::new() }
+        }
+    }
+}
+
+fn propagate(plan: &Plan) -> TokenStream {
+    let keep = measured::keep_before(plan);
+    let tell = plan.inputs().map(|value| {
+        let (mark, place) = (mark(&value.name), plan.place(&value.name));
+        quote!(if ticked.any(Self::#mark) { Self::tell(self.subscribers[#place], self); })
+    });
+    quote! {
+        pub fn propagate(&mut self) {
+            #keep
+            let ticked = self.dirty.take();
+            self.ticked = ticked;
+            #(#tell)*
+        }
+    }
+}
+
+fn callback(plan: &Plan, value: &Value, computed: &Computed) -> TokenStream {
+    let (name, place) = (&value.name, plan.place(&value.name));
+    let callback = format_ident!("on_{}", name);
+    let call = call(computed, |argument| measured::place(value, argument));
+    let differs = differs(computed, &quote!(new), &quote!(self.#name));
+    let waits = value.clock().map(|clock| {
+        let clock = mark(clock);
+        quote!(if !self.ticked.any(Self::#clock) { return; })
+    });
+    quote! {
+        fn #callback(&mut self) {
+            #waits
+            let new = #call;
+            if #differs {
+                self.#name = new;
+                Self::tell(self.subscribers[#place], self);
+            }
+        }
+    }
+}
+
+/// The callbacks of everything that reads a value as it is now, or is clocked by it.
+fn subscribers(plan: &Plan, of: &Value) -> TokenStream {
+    let callbacks = plan.computed().filter(|(value, computed)| {
+        let reads = computed.arguments.iter().any(|argument| {
+            argument.name == of.name && !argument.last && argument.name != value.name
+        });
+        reads || value.clock() == Some(&of.name)
+    });
+    let callbacks = callbacks.map(|(value, _)| format_ident!("on_{}", value.name));
+    quote!(&[#(Self::#callbacks),*])
+}

@@ -1,0 +1,107 @@
+//! The graph as data: for pictures and tables, dropped by the linker where nobody asks.
+
+use proc_macro2::TokenStream;
+use quote::{ToTokens, quote};
+use syn::{Attribute, Expr, ExprLit, Lit, Meta};
+
+use super::{constants, mark};
+use crate::graph::{Computed, Kind, Source, Value};
+use crate::plan::Plan;
+
+/// The constant `DESCRIPTION` of the graph's type.
+pub fn of_type(plan: &Plan) -> TokenStream {
+    let name = plan.graph.name.to_string();
+    let doc = first_line(&plan.graph.attributes);
+    let inputs = plan.inputs();
+    let values = inputs
+        .chain(plan.computed().map(|(value, _)| value))
+        .map(|value| described(plan, value));
+    quote! {
+        /// The graph as data: inputs first, then each value behind all that it reads.
+        pub const DESCRIPTION: ::reflex::dataflow::Description =
+            ::reflex::dataflow::Description {
+                name: #name,
+                doc: #doc,
+                hyperperiod: Self::HYPERPERIOD,
+                values: &[#(#values),*],
+            };
+    }
+}
+
+fn described(plan: &Plan, value: &Value) -> TokenStream {
+    let name = value.name.to_string();
+    let doc = first_line(&value.docs);
+    let of_type = words(&value.of_type);
+    let (mark, rate) = (mark(&value.name), constants::rate(plan, value));
+    let source = match &value.source {
+        Source::Input(input) => {
+            let (gates, triggers) = (constants::gates(input), input.triggers);
+            quote!(Input { gates: #gates, triggers: #triggers })
+        }
+        Source::Computed(computed) => of_computed(computed),
+    };
+    quote! {
+        ::reflex::dataflow::Described {
+            name: #name,
+            doc: #doc,
+            mark: Self::#mark,
+            of_type: #of_type,
+            most_updates: #rate,
+            source: ::reflex::dataflow::Source::#source,
+        }
+    }
+}
+
+fn of_computed(computed: &Computed) -> TokenStream {
+    let kind = match &computed.kind {
+        Kind::State { clock } => {
+            let clock = clock.to_string();
+            quote!(State { clock: #clock })
+        }
+        Kind::Node => quote!(Node),
+        Kind::Output => quote!(Output),
+    };
+    let function = words(&computed.function);
+    let reads = computed.arguments.iter().map(|argument| {
+        let (name, last) = (argument.name.to_string(), argument.last);
+        quote!(::reflex::dataflow::Read { name: #name, last: #last })
+    });
+    let quantum = match &computed.quantum {
+        Some(quantum) => quote!(Some(#quantum)),
+        None => quote!(None),
+    };
+    quote! {
+        Computed {
+            kind: ::reflex::dataflow::Kind::#kind,
+            function: #function,
+            reads: &[#(#reads),*],
+            quantum: #quantum,
+        }
+    }
+}
+
+/// Tokens as somebody would write them.
+fn words(tokens: &impl ToTokens) -> String {
+    let words = tokens.to_token_stream().to_string();
+    [" < ", "< ", " <", " > ", " >", " :: ", " , "]
+        .into_iter()
+        .zip(["<", "<", "<", ">", ">", "::", ", "])
+        .fold(words, |words, (from, to)| words.replace(from, to))
+}
+
+/// The first line of a documentation.
+fn first_line(attributes: &[Attribute]) -> String {
+    let line = attributes.iter().find_map(|attribute| {
+        let Meta::NameValue(pair) = &attribute.meta else {
+            return None;
+        };
+        match &pair.value {
+            Expr::Lit(ExprLit {
+                lit: Lit::Str(line),
+                ..
+            }) if pair.path.is_ident("doc") => Some(line.value().trim().to_owned()),
+            _ => None,
+        }
+    });
+    line.unwrap_or_default()
+}

@@ -1,0 +1,269 @@
+//! Ours: a plain struct, straight-line code, dirty marks in one word.
+
+use proc_macro2::{Ident, TokenStream};
+use quote::{format_ident, quote};
+
+use super::{call, constants, description, differs, mark, starting};
+use crate::graph::{Argument, Computed, Value};
+use crate::plan::Plan;
+
+/// The graph's type, its constants and methods, and its declaration for other macros.
+pub fn graph(plan: &Plan, declaration: &TokenStream) -> TokenStream {
+    let graph = plan.graph;
+    let (attributes, visibility, name) = (&graph.attributes, &graph.visibility, &graph.name);
+    let fields = graph.values.iter().map(|value| {
+        let (docs, name, of_type) = (&value.docs, &value.name, &value.of_type);
+        quote!(#(#docs)* #name: #of_type)
+    });
+    let constants = constants::of_type(plan);
+    let assertions = constants::assertions(plan);
+    let description = description::of_type(plan);
+    let methods = [new(plan), setters(plan), getters(plan)];
+    let propagation = [propagate(plan), recompute(plan), foresee(plan)];
+    let again = declaration_again(name, declaration);
+    quote! {
+        #(#attributes)*
+        #[derive(Clone, Debug)]
+        #visibility struct #name {
+            #(#fields,)*
+            dirty: ::reflex::dataflow::Dirty,
+        }
+
+        #assertions
+
+        impl #name {
+            #constants
+            #description
+            #(#methods)*
+            #(#propagation)*
+        }
+
+        impl ::core::default::Default for #name {
+            fn default() -> Self {
+                Self::new()
+            }
+        }
+
+        #again
+    }
+}
+
+/// Starting values, and what the nodes come to from them: nothing is ever stale.
+fn new(plan: &Plan) -> TokenStream {
+    let given = plan.graph.values.iter().filter(|it| !is_plain_node(it));
+    let given = given.map(|value| {
+        let (name, of_type, starting) = (&value.name, &value.of_type, starting(value));
+        quote!(let #name: #of_type = #starting;)
+    });
+    let nodes = plan.computed().filter(|(value, _)| is_plain_node(value));
+    let nodes = nodes.map(|(value, computed)| {
+        let name = &value.name;
+        let call = call(computed, |argument| local(&argument.name));
+        quote!(let #name = #call;)
+    });
+    let names = plan.graph.values.iter().map(|value| &value.name);
+    quote! {
+        /// The graph with its starting values.
+        #[must_use]
+        pub fn new() -> Self {
+            #(#given)*
+            #(#nodes)*
+            Self { #(#names,)* dirty: ::reflex::dataflow::Dirty::CLEAN }
+        }
+    }
+}
+
+/// A node or output: computed from others, remembers nothing.
+fn is_plain_node(value: &Value) -> bool {
+    value.computed().is_some() && value.clock().is_none()
+}
+
+/// `set_NAME` of inputs and states.
+fn setters(plan: &Plan) -> TokenStream {
+    let set = plan.graph.values.iter().filter(|it| !is_plain_node(it));
+    let setters = set.map(|value| {
+        let (name, of_type, mark) = (&value.name, &value.of_type, mark(&value.name));
+        let setter = format_ident!("set_{}", name);
+        let is_clock = plan.is_clock(name);
+        let doc = match (value.clock(), is_clock) {
+            (Some(_), _) => format!("Starts the state `{name}` anew from this value."),
+            (None, true) => format!("A new sample of `{name}`, which advances what it clocks."),
+            (None, false) => format!("Sets `{name}`; a value that is the same reaches nothing."),
+        };
+        let store = quote! {
+            self.#name = #name;
+            self.dirty |= Self::#mark;
+        };
+        let store = if is_clock {
+            store
+        } else {
+            quote!(if self.#name != #name { #store })
+        };
+        quote! {
+            #[doc = #doc]
+            pub fn #setter(&mut self, #name: #of_type) { #store }
+        }
+    });
+    quote!(#(#setters)*)
+}
+
+/// Every value, as last propagated; inputs as last set.
+fn getters(plan: &Plan) -> TokenStream {
+    let getters = plan.graph.values.iter().map(|value| {
+        let (docs, name, of_type) = (&value.docs, &value.name, &value.of_type);
+        quote! {
+            #(#docs)*
+            #[must_use]
+            pub fn #name(&self) -> &#of_type { &self.#name }
+        }
+    });
+    quote!(#(#getters)*)
+}
+
+/// Runs the slice that the changed inputs reach.
+fn propagate(plan: &Plan) -> TokenStream {
+    let remembered = remembered(plan);
+    let steps = plan.computed().map(|(value, computed)| {
+        let (name, mark) = (&value.name, mark(&value.name));
+        let wakes = plan
+            .wakes(value)
+            .into_iter()
+            .map(|it| super::mark(&it.name));
+        let call = call(computed, stored);
+        let differs = differs(computed, &quote!(new), &quote!(self.#name));
+        quote! {
+            if dirty.any(::reflex::dataflow::Dirty::CLEAN #(.or(Self::#wakes))*) {
+                let new = #call;
+                if #differs {
+                    self.#name = new;
+                    dirty |= Self::#mark;
+                }
+            }
+        }
+    });
+    let all = plan.graph.values.iter().map(|value| mark(&value.name));
+    quote! {
+        /// Runs the slice that the changed inputs reach; says which values changed.
+        ///
+        /// Where every input changed, everything is computed, and nothing compared.
+        pub fn propagate(&mut self) -> ::reflex::dataflow::Dirty {
+            let mut dirty = self.dirty.take();
+            if dirty.all(Self::INPUTS) {
+                self.recompute();
+                return ::reflex::dataflow::Dirty::CLEAN #(.or(Self::#all))*;
+            }
+            #(#remembered)*
+            #(#steps)*
+            dirty
+        }
+    }
+}
+
+/// Computes every value, one after the other, and compares none.
+fn recompute(plan: &Plan) -> TokenStream {
+    let remembered = remembered(plan);
+    let steps = plan.computed().map(|(value, computed)| {
+        let (name, call) = (&value.name, call(computed, stored));
+        quote!(self.#name = #call;)
+    });
+    quote! {
+        fn recompute(&mut self) {
+            #(#remembered)*
+            #(#steps)*
+        }
+    }
+}
+
+/// What an output would come to, leaving no trace.
+fn foresee(plan: &Plan) -> TokenStream {
+    let outputs = plan.graph.values.iter().filter(|it| it.is_output());
+    let methods = outputs.map(|output| {
+        let needed = plan.needed_by(core::iter::once(output));
+        let (name, of_type) = (&output.name, &output.of_type);
+        let method = format_ident!("foresee_{}", name);
+        let steps = plan
+            .computed()
+            .filter(|(value, _)| needed.contains(&plan.place(&value.name)))
+            .map(|(value, computed)| foreseen(plan, value, computed));
+        let doc = format!("What [`Self::propagate`] would bring `{name}` to; advances nothing.");
+        quote! {
+            #[doc = #doc]
+            #[must_use]
+            pub fn #method(&self) -> #of_type {
+                let pending = self.dirty;
+                #(#steps)*
+                #name
+            }
+        }
+    });
+    quote!(#(#methods)*)
+}
+
+/// One value of what would come, as a local variable.
+fn foreseen(plan: &Plan, value: &Value, computed: &Computed) -> TokenStream {
+    let name = &value.name;
+    let call = call(computed, |argument| {
+        let read = &argument.name;
+        let unchanged = argument.last || read == name || plan.value(read).input().is_some();
+        if unchanged {
+            quote!(self.#read)
+        } else {
+            local(read)
+        }
+    });
+    if let Some(clock) = value.clock() {
+        let clock = mark(clock);
+        return quote!(let #name = if pending.any(Self::#clock) { #call } else { self.#name };);
+    }
+    if computed.quantum.is_none() {
+        return quote!(let #name = #call;);
+    }
+    let differs = differs(computed, &quote!(new), &quote!(self.#name));
+    quote! {
+        let new = #call;
+        let #name = if pending.all(Self::INPUTS) || #differs { new } else { self.#name };
+    }
+}
+
+/// Copies of the values that a state reads as they were before the run.
+fn remembered(plan: &Plan) -> Vec<TokenStream> {
+    let values = plan.graph.values.iter();
+    values
+        .filter(|value| plan.is_remembered(&value.name))
+        .map(|value| {
+            let (name, last) = (&value.name, last(&value.name));
+            quote!(let #last = self.#name;)
+        })
+        .collect()
+}
+
+/// Where an argument is found while values are stored one after the other.
+fn stored(argument: &Argument) -> TokenStream {
+    let name = &argument.name;
+    if argument.last {
+        let last = last(name);
+        quote!(#last)
+    } else {
+        quote!(self.#name)
+    }
+}
+
+fn local(name: &Ident) -> TokenStream {
+    quote!(#name)
+}
+
+fn last(name: &Ident) -> Ident {
+    format_ident!("last_{}", name)
+}
+
+/// The declaration once more, for the macros that run it another way.
+fn declaration_again(name: &Ident, declaration: &TokenStream) -> TokenStream {
+    let again = format_ident!("declaration_of_{}", name.to_string().to_lowercase());
+    quote! {
+        #[doc(hidden)]
+        #[macro_export]
+        macro_rules! #again {
+            ($($with:tt)*) => { $($with)* ! { #declaration } };
+        }
+    }
+}

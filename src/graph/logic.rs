@@ -1,0 +1,94 @@
+//! What the autopilot asks of a control logic, whichever it is.
+
+use crate::airframe::Mixed;
+use crate::control::Setpoint;
+use crate::dataflow::{Description, Dirty};
+use crate::estimate::Motion;
+use crate::math::{Quaternion, Vec3};
+
+/// A control logic: a graph with the inputs that the autopilot brings.
+///
+/// The same inputs in the same order give the same commands, bit for bit.
+pub trait ControlLogic: Default + Clone + core::fmt::Debug {
+    /// As in `config/selection.toml`.
+    const NAME: &'static str;
+    /// The graph as data.
+    const GRAPH: Description;
+    /// Corner (Hz) of the filter behind the angular acceleration that it wants to see.
+    const DERIVATIVE_CUTOFF: f32;
+
+    /// Starts the attitude from a mean specific force at rest, in m/s2.
+    fn align(&mut self, force: Vec3);
+
+    /// Forgets integrals: for the ground, where they only wind up.
+    fn reset_integrals(&mut self);
+
+    /// Motion since the last propagation, and the error of the heading (rad) where measured.
+    ///
+    /// Motion that covers no time advances nothing; the newest rotation counts all the same.
+    fn take(&mut self, motion: &Motion, heading: Option<f32>);
+
+    /// A new setpoint.
+    fn fly(&mut self, setpoint: Setpoint);
+
+    /// Whether motion is no longer seen: then thrust is all that is commanded.
+    fn go_blind(&mut self, blind: bool);
+
+    /// Runs the slice that the changed inputs reach; says which values changed.
+    fn run(&mut self) -> Dirty;
+
+    /// What [`Self::run`] would bring the command to now; advances nothing.
+    fn foresee(&self) -> Mixed;
+
+    /// The setpoint in force.
+    fn flown(&self) -> &Setpoint;
+
+    /// The attitude estimate of the last run.
+    fn estimate(&self) -> Quaternion;
+
+    /// The motor vector of the last run.
+    fn mixed(&self) -> &Mixed;
+}
+
+/// The part of [`ControlLogic`] that only hands on to inputs and values of the usual names.
+macro_rules! standard_inputs {
+    () => {
+        fn take(&mut self, motion: &$crate::estimate::Motion, heading: Option<f32>) {
+            if motion.sums.dt > 0.0 {
+                self.set_motion(motion.sums);
+                self.set_heading(heading);
+            }
+            self.set_rotation(motion.rotation);
+        }
+
+        fn fly(&mut self, setpoint: $crate::control::Setpoint) {
+            self.set_setpoint(setpoint);
+        }
+
+        fn go_blind(&mut self, blind: bool) {
+            self.set_blind(blind);
+        }
+
+        fn run(&mut self) -> $crate::dataflow::Dirty {
+            self.propagate()
+        }
+
+        fn foresee(&self) -> $crate::airframe::Mixed {
+            self.foresee_command()
+        }
+
+        fn flown(&self) -> &$crate::control::Setpoint {
+            self.setpoint()
+        }
+
+        fn estimate(&self) -> $crate::math::Quaternion {
+            *self.attitude()
+        }
+
+        fn mixed(&self) -> &$crate::airframe::Mixed {
+            self.command()
+        }
+    };
+}
+
+pub(super) use standard_inputs;
