@@ -6,6 +6,7 @@
 
 mod attitude_law;
 mod goal;
+pub mod openpilot;
 mod rate_law;
 mod setpoint;
 

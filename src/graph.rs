@@ -2,11 +2,13 @@
 
 pub mod cascade;
 mod logic;
+pub mod openpilot;
 #[cfg(test)]
 mod testing;
 
 pub use cascade::Cascade;
 pub use logic::ControlLogic;
+pub use openpilot::OpenPilot;
 
 /// The control logic that `config/selection.toml` names.
 pub type Flown = Cascade;

@@ -13,7 +13,8 @@
 
 use super::{ControlLogic, Graph, standard_inputs};
 use crate::airframe::{Mixed, Mixer};
-use crate::config::{CHIP_MAG, GYRO, RATE_D_CUTOFF};
+use crate::config::cascade::RATE_D_CUTOFF;
+use crate::config::{CHIP_MAG, GYRO};
 use crate::control::{AttitudeLaw, RateInput, RateLaw, RateState, RateStretch, Setpoint, Wanted};
 use crate::dataflow::graph;
 use crate::estimate::{AttitudeFilter, Increment, Rotation};
