@@ -138,9 +138,8 @@ fn started_from(flown: Thrust) -> f32 {
 
 /// Thrust of an offset from neutral, within its limits.
 fn within_limits(offset: f32) -> f32 {
-    (gains::THRUST_NEUTRAL + offset)
-        .max(gains::THRUST_MINIMUM)
-        .min(gains::THRUST_MAXIMUM)
+    // Cannot panic: the ranges of the configuration keep the limits in order.
+    (gains::THRUST_NEUTRAL + offset).clamp(gains::THRUST_MINIMUM, gains::THRUST_MAXIMUM)
 }
 
 fn proportional_thrust(wanted: f32, velocity: f32) -> f32 {
