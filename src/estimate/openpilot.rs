@@ -220,7 +220,7 @@ mod tests {
                 rarely = rarely.stepped(&turning(rates, down, 0.05), Some(heading));
             }
             let apart = often.attitude().error_to(rarely.attitude()).max_norm();
-            prop_assert!(apart < 5e-3, "{}", apart);
+            prop_assert!(apart < 1e-3, "{}", apart);
             prop_assert!((often.bias - rarely.bias).max_norm() < 1e-4);
         }
 

@@ -164,8 +164,8 @@ proptest! {
         let often = roll.integrals(&law, Integrals::default(), 50);
         let rarely = roll.integrals(&law, Integrals::default(), 1);
         let (attitude, rate) = apart(&often, &rarely);
-        prop_assert!(attitude < 5e-4, "attitude {}", attitude);
-        prop_assert!(rate < 2e-4, "rate {}", rate);
+        prop_assert!(attitude < 5e-6, "attitude {}", attitude);
+        prop_assert!(rate < 5e-5, "rate {}", rate);
     }
 
     #[test]
@@ -184,7 +184,7 @@ proptest! {
         let (attitude, rate) =
             apart(&roll.integrals(&law, full, 50), &roll.integrals(&law, full, 1));
         prop_assert!(attitude < 2e-3, "attitude {}", attitude);
-        prop_assert!(rate < 1e-3, "rate {}", rate);
+        prop_assert!(rate < 3e-4, "rate {}", rate);
     }
 
     #[test]
