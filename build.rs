@@ -22,8 +22,14 @@ fn run() -> Result<(), String> {
 /// Writes what `src/config.rs` includes. Wrong configuration is one line with file and key.
 fn constants(output: &Path) -> Result<(), String> {
     println!("cargo::rerun-if-changed=config");
-    let configuration =
-        reflex_config::load(Path::new("config")).map_err(|error| error.to_string())?;
+    let variable = |name: &str| {
+        println!("cargo::rerun-if-env-changed={name}");
+        env::var(name).ok()
+    };
+    let configuration = reflex_config::load_chosen(Path::new("config"), variable)
+        .map_err(|error| error.to_string())?;
+    println!("cargo::rustc-check-cfg=cfg(logic, values(any()))");
+    println!("cargo::rustc-cfg=logic={:?}", configuration.selection.logic);
     write(
         &output.join("config.rs"),
         configuration.to_rust().as_bytes(),

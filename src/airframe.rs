@@ -3,7 +3,7 @@
 mod mixer;
 mod pulse;
 
-pub use mixer::{Mixed, Mixer};
+pub use mixer::{MIXER, Mixed, Mixer};
 pub use pulse::{period_ticks, ticks};
 
 use crate::config::MOTORS;

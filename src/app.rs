@@ -87,10 +87,18 @@ struct Heading {
     pose_at: Option<Instant>,
 }
 
-impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
+impl<R: Recorder, L: ControlLogic + Default> Autopilot<R, L> {
     /// On the ground, not calibrated, with checked settings.
     #[must_use]
     pub fn new(settings: Settings, recorder: R) -> Self {
+        Self::with_logic(settings, recorder, L::default())
+    }
+}
+
+impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
+    /// With a control logic of one's own; otherwise as [`Self::new`].
+    #[must_use]
+    pub fn with_logic(settings: Settings, recorder: R, graph: L) -> Self {
         Self {
             recorder,
             settings,
@@ -102,7 +110,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             pose: None,
             setpoints: SetpointWatch::default(),
             liveness: Liveness::default(),
-            graph: L::default(),
+            graph,
             advanced: false,
             arming: Arming::default(),
             gate: MotorGate::default(),

@@ -163,7 +163,7 @@ pub fn sleep_unless(work: &AtomicBool) {
     });
 }
 
-/// Hands the pins of the motors that the airframe has to their timers.
+/// Hands all four pins of each timer that the airframe's motors need to it.
 fn motor_pins(
     first: (gpioc::PC6, gpioc::PC7, gpioc::PC8, gpioc::PC9),
     second: (gpiod::PD12, gpiod::PD13, gpiod::PD14, gpiod::PD15),

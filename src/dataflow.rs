@@ -61,7 +61,8 @@
 //! # What is generated
 //! `new`, `set_NAME` for inputs and states, `NAME` to read any value, `propagate`,
 //! `foresee_NAME` for outputs, and the constants `NAME` (marks), `HYPERPERIOD`, `STORED_BYTES`,
-//! `DESCRIPTION`. Where every input was set to something new, `propagate` compares nothing.
+//! `DESCRIPTION`; with `#[export_declaration]` also a macro that hands the declaration on to another
+//! one, to run it in another way. Where every input was set to something new, `propagate` compares nothing.
 
 mod description;
 mod dirty;

@@ -1,4 +1,7 @@
 //! Control logics as dataflow graphs, a page each, and what all of them are asked.
+//!
+//! A new logic is a page here, its gains in `config/logics/` with their table in `config/src/`,
+//! and two lines below.
 
 pub mod cascade;
 mod logic;
@@ -10,8 +13,11 @@ pub use cascade::Cascade;
 pub use logic::ControlLogic;
 pub use openpilot::OpenPilot;
 
-/// The control logic that `config/selection.toml` names.
-pub type Flown = Cascade;
+use logic::{place_inputs, standard_inputs};
 
-use crate::dataflow::Description as Graph;
-use logic::standard_inputs;
+/// The control logic that `config/selection.toml` names.
+#[cfg(logic = "cascade")]
+pub type Flown = Cascade;
+/// The control logic that `config/selection.toml` names.
+#[cfg(logic = "openpilot")]
+pub type Flown = OpenPilot;

@@ -141,6 +141,12 @@ impl Inputs {
         Self(self.0 & !(1 << input as u8))
     }
 
+    /// Both sets together.
+    #[must_use]
+    pub const fn or(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
     /// True where some input is in both sets.
     #[must_use]
     pub const fn meets(self, other: Self) -> bool {

@@ -46,7 +46,8 @@ pub enum WarmUp {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum Pairs {
-    /// Shadow holds end at the first crossing of a candidate threshold.
+    /// Shadow holds end at the first crossing of a candidate threshold; those of an input that
+    /// this teaches too little go on as with [`Self::WeightedLags`].
     FirstCrossings,
     /// Shadow holds end after a number of samples of their own: pairs at several lags, and as
     /// pairs do not overlap, as many of each as the inverse of the lag.

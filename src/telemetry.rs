@@ -39,6 +39,8 @@ pub enum Event {
         /// Weight of the labels behind it.
         labels: f32,
     },
+    /// First crossings taught these inputs too little: they learn from pairs at several lags.
+    Lags(Inputs),
     /// The LSM303AGR obeyed an order that changes its interrupts.
     Programmed(ChipOrder),
     /// The LSM303AGR did not.

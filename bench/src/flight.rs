@@ -17,6 +17,9 @@ use reflex_bench::{ARRIVAL, FADE, FORESEE, HOLDS, LABEL, RUN};
 
 use crate::program::{measured, rounds};
 
+/// Corner of the angular acceleration's filter, in Hz.
+const CUTOFF: f32 = 20.0;
+
 pub fn measure() {
     arrival();
     runs();
@@ -55,11 +58,11 @@ impl Samples {
 
 fn arrival() {
     let (mut arrival, mut samples) = (Arrival::default(), Samples::new());
-    assert!(arrival.take(&samples.next(0)));
+    assert!(arrival.take(&samples.next(0), CUTOFF));
     rounds(ARRIVAL, |round| {
         let sample = samples.next(round + 1);
         let (arrival, sample) = black_box((&mut arrival, &sample));
-        assert!(measured(|| arrival.take(sample)));
+        assert!(measured(|| arrival.take(sample, CUTOFF)));
     });
 }
 
@@ -69,10 +72,10 @@ fn runs() {
     let thrust = Thrust::new(0.5).unwrap_or(Thrust::ZERO);
     graph.fly(Setpoint::level(thrust));
     graph.run();
-    assert!(arrival.take(&samples.next(0)));
+    assert!(arrival.take(&samples.next(0), CUTOFF));
     rounds(FORESEE, |round| {
         let sample = samples.next(round + 1);
-        assert!(arrival.take(&sample));
+        assert!(arrival.take(&sample, CUTOFF));
         let motion = arrival.motion();
         let (graph, motion) = black_box((&mut graph, &motion));
         measured(|| {
@@ -83,7 +86,7 @@ fn runs() {
     arrival.take_motion();
     rounds(RUN, |round| {
         let sample = samples.next(FORESEE.rounds + round + 1);
-        assert!(arrival.take(&sample));
+        assert!(arrival.take(&sample, CUTOFF));
         let motion = arrival.take_motion();
         let (graph, motion) = black_box((&mut graph, &motion));
         measured(|| {

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use crate::allocation::{self, Allocation};
 use crate::document::Document;
 use crate::{ConfigError, range};
 
@@ -54,18 +55,12 @@ impl Airframe {
             let message = format!("{clockwise} of {count} spin cw, must be half of them");
             return Err(document.error_at(&["motors"], message));
         }
-        if self.directions() < 3 {
-            let message = "arms must point in at least 3 directions, to roll and to pitch";
-            return Err(document.error_at(&["motors"], message));
-        }
-        Ok(())
+        allocation::check(&self.motors).map_err(|message| document.error_at(&["motors"], message))
     }
 
-    /// How many different directions the arms have; coaxial motors share one.
-    fn directions(&self) -> usize {
-        let mut angles: Vec<f64> = self.motors.iter().map(|motor| motor.angle_deg).collect();
-        angles.sort_by(f64::total_cmp);
-        angles.dedup();
-        angles.len()
+    /// What each motor must do for a torque, of an airframe that was read from a file.
+    #[must_use]
+    pub fn allocation(&self) -> Allocation {
+        Allocation::of(&self.motors)
     }
 }

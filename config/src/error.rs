@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// Why a configuration is refused: one line with file, line, key and range.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConfigError {
-    /// The file at fault, as it was opened.
+    /// The file at fault, as it was opened; or the environment variable that chose it.
     pub file: PathBuf,
     /// The line in it, from 1, where one is at fault.
     pub line: Option<usize>,

@@ -6,6 +6,7 @@
 //! unknown key, a wrong type or a value out of its range is one line with file, line and key.
 
 mod airframe;
+mod allocation;
 mod board;
 mod document;
 mod error;
@@ -21,6 +22,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 pub use airframe::{Airframe, Motor, Spin};
+pub use allocation::Allocation;
 pub use board::{Board, Calibration, Filters, Link, MotorProtocol, Motors, Sensors};
 pub use error::ConfigError;
 pub use fallback::Fallback;
@@ -65,23 +67,45 @@ pub struct Configuration {
 /// The first thing that is wrong: a file that cannot be read, an unknown or missing key, a wrong
 /// type, a value out of its range.
 pub fn load(dir: &Path) -> Result<Configuration, ConfigError> {
+    load_chosen(dir, |_| None)
+}
+
+/// As [`load`]; `REFLEX_BOARD`, `REFLEX_AIRFRAME` and `REFLEX_LOGIC` come before the selection.
+///
+/// `variable` is asked for the value of each; none, or an empty one, leaves the file's choice.
+///
+/// # Errors
+/// As [`load`]; a name that does not exist is said of where it was chosen.
+pub fn load_chosen(
+    dir: &Path,
+    variable: impl Fn(&str) -> Option<String>,
+) -> Result<Configuration, ConfigError> {
     let selecting = Document::open(&dir.join("selection.toml"))?;
-    let selection: Selection = selecting.parse()?;
-    let selected = |key: &str, folder: &str, name: &str| {
-        let file = selected_file(dir, folder, name)
-            .map_err(|message| selecting.error_at(&[key], message))?;
+    let mut selection: Selection = selecting.parse()?;
+    let selected = |key: &str, folder: &str, name: &mut String| {
+        let variable_name = format!("REFLEX_{}", key.to_uppercase());
+        let chosen = variable(&variable_name).filter(|chosen| !chosen.is_empty());
+        let overrides = chosen.is_some();
+        *name = chosen.unwrap_or_else(|| name.clone());
+        let file = selected_file(dir, folder, name).map_err(|message| {
+            if overrides {
+                ConfigError::of_file(Path::new(&variable_name), message)
+            } else {
+                selecting.error_at(&[key], message)
+            }
+        })?;
         Document::open(&file)
     };
 
-    let document = selected("board", "boards", &selection.board)?;
+    let document = selected("board", "boards", &mut selection.board)?;
     let board: Board = document.parse()?;
     board.check(&document)?;
 
-    let document = selected("airframe", "airframes", &selection.airframe)?;
+    let document = selected("airframe", "airframes", &mut selection.airframe)?;
     let airframe: Airframe = document.parse()?;
     airframe.check(&document)?;
 
-    selected("logic", "logics", &selection.logic)?;
+    selected("logic", "logics", &mut selection.logic)?;
     let logics = logic::load_all(dir)?;
 
     let document = Document::open(&dir.join("reactive.toml"))?;

@@ -9,7 +9,7 @@ mod reactive;
 use std::fmt::Write;
 
 use crate::logic::{Gain, Logic, Shape};
-use crate::{Airframe, Board, Configuration, Spin};
+use crate::{Airframe, Allocation, Board, Configuration, Spin};
 
 /// One constant of the generated source: name, value, meaning.
 type Constant = (&'static str, Value, &'static str);
@@ -126,6 +126,8 @@ fn airframe(airframe: &Airframe) -> Vec<Constant> {
         Spin::Cw => "1.0".to_owned(),
         Spin::Ccw => "-1.0".to_owned(),
     });
+    let Allocation { roll, pitch, yaw } = airframe.allocation();
+    let steps = |steps: Vec<f64>| list("[f32; MOTORS]", steps.into_iter().map(literal));
     vec![
         (
             "MOTORS",
@@ -141,6 +143,21 @@ fn airframe(airframe: &Airframe) -> Vec<Constant> {
             "MOTOR_SPINS",
             list("[f32; MOTORS]", spins),
             "Turn of each propeller seen from above: +1 clockwise, -1 not; the body is turned the other way.",
+        ),
+        (
+            "MOTOR_ROLL",
+            steps(roll),
+            "Share of full scale by which a unit of roll demand moves each motor.",
+        ),
+        (
+            "MOTOR_PITCH",
+            steps(pitch),
+            "Share of full scale by which a unit of pitch demand moves each motor.",
+        ),
+        (
+            "MOTOR_YAW",
+            steps(yaw),
+            "Share of full scale by which a unit of yaw demand moves each motor.",
         ),
         (
             "ARMED_MINIMUM",

@@ -70,6 +70,8 @@ const UNFIT: &str = r#"
 reactive.toml | longest_s = 30 | longest_s = 2 | warm_up.shortest_s: must be 0 to longest_s
 reactive.toml | smallest_change = 0.005 | smallest_change = 4 | inputs.gyro.smallest_change: must be below
 airframes/quad_x.toml | spin = "cw" | spin = "ccw" | motors: 1 of 4 spin cw, must be half
+airframes/quad_x.toml | angle_deg = 315 | angle_deg = 300 | motors: equal thrust would roll: the mean lever is 0.04 of an arm
+airframes/quad_x.toml | angle_deg = 315 | angle_deg = 45 | motors: equal thrust would roll: the mean lever is 0.35 of an arm
 boards/reflex_f427.toml | imu_rate_hz = 1000 | imu_rate_hz = 125 | filters.gyro_cutoff_hz: must be 5 to
 selection.toml | airframe = "quad_x" | airframe = "hexa" | airframe: airframes/hexa.toml does not exist, must be one of: quad_x
 selection.toml | airframe = "quad_x" | airframe = "../boards/reflex_f427" | airframe: airframes

@@ -7,6 +7,8 @@ use syn::{Attribute, Expr, Path, Type, Visibility};
 pub struct Graph {
     /// Docs and other attributes of the struct.
     pub attributes: Vec<Attribute>,
+    /// `#[export_declaration]`: other macros may run the same graph another way.
+    pub exported: bool,
     pub visibility: Visibility,
     pub name: Ident,
     /// Inputs and computed values in the order of the lines.

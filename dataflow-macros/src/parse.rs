@@ -14,7 +14,10 @@ const CLAUSES: &str = "known are `at NUMBER Hz`, `every PERIOD`, `gates`, `gates
 
 impl Parse for Graph {
     fn parse(stream: ParseStream) -> Result<Self> {
-        let attributes = stream.call(Attribute::parse_outer)?;
+        let mut attributes = stream.call(Attribute::parse_outer)?;
+        let all = attributes.len();
+        attributes.retain(|attribute| !attribute.path().is_ident("export_declaration"));
+        let exported = attributes.len() < all;
         let visibility = stream.parse()?;
         stream.parse::<Token![struct]>()?;
         let name = stream.parse()?;
@@ -25,6 +28,7 @@ impl Parse for Graph {
         }
         Ok(Self {
             attributes,
+            exported,
             visibility,
             name,
             values,

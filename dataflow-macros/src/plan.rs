@@ -104,6 +104,18 @@ impl<'a> Plan<'a> {
         needed
     }
 
+    /// The values that must be computed for this one, of the same run, with itself.
+    pub fn needed_now(&self, value: &Value) -> BTreeSet<usize> {
+        let mut waiting = vec![self.place(&value.name)];
+        let mut needed = BTreeSet::new();
+        while let Some(place) = waiting.pop() {
+            if needed.insert(place) {
+                waiting.extend(self.read_now(place));
+            }
+        }
+        needed
+    }
+
     /// True where a state reads this value as it was before the run.
     pub fn is_remembered(&self, name: &Ident) -> bool {
         self.computed()
@@ -135,6 +147,14 @@ impl<'a> Plan<'a> {
                 );
                 return Err(Error::new(argument.name.span(), message));
             }
+        }
+        let mut read_before = computed.arguments.iter().filter(|it| it.last);
+        if let Some(argument) = read_before.find(|it| self.value(&it.name).input().is_some()) {
+            let message = format!(
+                "`last {0}` is not kept, `{0}` is an input: let a state remember it",
+                argument.name
+            );
+            return Err(Error::new(argument.name.span(), message));
         }
         match value.clock() {
             Some(clock) => self.check_clock(clock),
@@ -258,10 +278,25 @@ impl<'a> Plan<'a> {
     }
 }
 
+/// Names that the generated type needs for itself.
+const RESERVED: [&str; 7] = [
+    "default",
+    "dirty",
+    "description",
+    "hyperperiod",
+    "inputs",
+    "new",
+    "propagate",
+];
+
 /// Where each name is declared; no name twice.
 fn places(graph: &Graph) -> Result<BTreeMap<String, usize>> {
     let mut places = BTreeMap::new();
     for (place, value) in graph.values.iter().enumerate() {
+        if RESERVED.contains(&value.name.to_string().as_str()) {
+            let message = format!("`{}` names something else in every graph", value.name);
+            return Err(Error::new(value.name.span(), message));
+        }
         if let Some(first) = places.insert(value.name.to_string(), place) {
             let message = format!("`{}` is written by two lines", value.name);
             let mut error = Error::new(value.name.span(), message);

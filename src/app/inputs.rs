@@ -73,7 +73,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
 
     /// Filters, sums and compares a sample.
     fn take_sample(&mut self, sample: &ImuSample) {
-        if !self.arrival.take(sample) {
+        if !self.arrival.take(sample, self.graph.derivative_cutoff()) {
             self.count(Fault::ImuJump);
         }
         self.compare_sample(sample.at);

@@ -5,40 +5,22 @@
 //! one that knows most of what a change does: the foreseen command where that may trigger, else
 //! the gyroscope, else the angle. The others are relevant for what they tell before it does.
 
+mod learner;
+#[cfg(test)]
+mod tests;
+
+use learner::Showing;
+pub(super) use learner::{Learner, Lesson};
+
 use super::Recorder;
 use crate::airframe::MotorShares;
-use crate::config::{
-    ACCEL, CHIP_ACCEL, CHIP_MAG, COMMAND, Changes, GYRO, LABELS_OF_EACH_CLASS, STABLE_CHANGE,
-    TURNED,
-};
+use crate::config::{ACCEL, CHIP_ACCEL, CHIP_MAG, COMMAND, GYRO, TURNED};
 use crate::control::Setpoint;
 use crate::math::Vec3;
-use crate::reactive::{
-    Decision, Fit, Held, Label, Labels, Lead, Logistic, Rule, Sample, ShadowHolds, Watch,
-};
+use crate::reactive::{Label, Lead, Rule};
 use crate::sensors::{Input, Inputs};
-use crate::settings::{Reference, Settings};
+use crate::settings::{Pairs, Reference, Settings};
 use crate::time::Instant;
-
-/// One input: what it is measured against, what it learned.
-#[derive(Clone, Debug)]
-pub(super) struct Learner<S = Vec3> {
-    pub(super) watch: Watch<S>,
-    pub(super) lesson: Lesson,
-    holds: ShadowHolds<S>,
-}
-
-/// What one input learned, whatever its samples are.
-#[derive(Clone, Debug)]
-pub(super) struct Lesson {
-    pub(super) decision: Decision,
-    pub(super) labels: Labels,
-    /// Its model may ask for a run.
-    pub(super) triggers: bool,
-    pub(super) refitted: Instant,
-    /// Refits in a row that left the threshold where it was.
-    stable: u8,
-}
 
 /// One learner per input.
 #[derive(Clone, Debug)]
@@ -56,117 +38,8 @@ pub(super) struct Learners {
     setpoint: Setpoint,
     /// Inputs whose shadow holds start anew with their next sample, not under whoever's lock.
     stale_holds: Inputs,
-}
-
-impl<S: Sample> Learner<S> {
-    fn new(input: Input, changes: &Changes, settings: &Settings) -> Self {
-        Self {
-            watch: Watch::new(settings.reference),
-            lesson: Lesson {
-                decision: Decision::new(settings.p_run),
-                labels: Labels::new(changes),
-                triggers: settings.triggers.contains(input),
-                refitted: Instant::from_ticks(0),
-                stable: 0,
-            },
-            holds: ShadowHolds::new(changes),
-        }
-    }
-
-    /// Takes a sample; true where its change calls for a run.
-    pub(super) fn calls(&mut self, sample: S) -> bool {
-        let x = self.watch.take(sample);
-        self.lesson.decision.take(x) && self.lesson.triggers
-    }
-
-    fn on_run(&mut self) {
-        self.watch.on_run();
-        self.lesson.decision.on_run();
-    }
-
-    /// What is measured against is this sample now.
-    pub(super) fn rearm(&mut self, sample: S) {
-        self.watch.rearm(sample);
-        self.lesson.decision.on_run();
-    }
-
-    /// Shows a sample, with the command in force, to the shadow holds.
-    fn hold(
-        &mut self,
-        now: Instant,
-        newest: &Held<S>,
-        rule: &Rule,
-        lead: &Lead,
-        tell: impl FnMut(&Label),
-    ) {
-        self.holds
-            .take(now, newest, rule, lead, &mut self.lesson.labels, tell);
-    }
-}
-
-impl Lesson {
-    /// Swaps a fit in; keeps count of how long the threshold has been stable.
-    ///
-    /// Where labels became too few to fit again, what they said while there were enough stays:
-    /// a threshold that hides changes also starves its own labels.
-    pub(super) fn swap(&mut self, fit: Fit) {
-        let starved = self.labels.of_rarer_class() < LABELS_OF_EACH_CLASS as f32;
-        if fit == Fit::Unfit && starved && self.decision.fit() != Fit::Unfit {
-            return;
-        }
-        let before = self.decision.model().map(|_| self.decision.threshold());
-        self.decision.set_fit(fit);
-        self.stable = match (before, self.decision.model()) {
-            (Some(threshold), Some(model)) if self.is_still_right(threshold, &model) => {
-                self.stable.saturating_add(1)
-            }
-            _ => 0,
-        };
-    }
-
-    /// True where a newer model sees an older threshold close to `P_run` too.
-    fn is_still_right(&self, threshold: f32, newer: &Logistic) -> bool {
-        (newer.probability(threshold) - self.decision.p_run()).abs() <= STABLE_CHANGE
-    }
-
-    /// Stable and with labels of both classes, or known not to matter.
-    pub(super) fn is_settled(&self) -> bool {
-        match self.decision.fit() {
-            _ if !self.triggers => true,
-            Fit::Irrelevant => true,
-            Fit::Unfit => false,
-            Fit::Model(_) => {
-                self.stable >= 2 && self.labels.of_rarer_class() >= LABELS_OF_EACH_CLASS as f32
-            }
-        }
-    }
-
-    /// Forgets everything: what was learned elsewhere holds no longer.
-    fn restart(&mut self) {
-        self.labels.fade(0.0);
-        self.decision.set_fit(Fit::Unfit);
-        self.stable = 0;
-    }
-
-    /// Counts what the present change came to; nothing where no change was measured.
-    pub(super) fn label(&mut self, changed: bool, weight: f32) -> Option<Label> {
-        let x = self.decision.change()?;
-        let label = Label { x, changed, weight };
-        self.labels.add(&label);
-        Some(label)
-    }
-}
-
-/// Calls a method of every learner, whatever its samples are.
-macro_rules! each {
-    ($learners:ident.$method:ident $arguments:tt) => {
-        $learners.gyro.$method $arguments;
-        $learners.accel.$method $arguments;
-        $learners.chip_accel.$method $arguments;
-        $learners.chip_mag.$method $arguments;
-        $learners.turned.$method $arguments;
-        $learners.command.$method $arguments;
-    };
+    /// Inputs that first crossings taught too little: their shadow holds end after lags.
+    lagging: Inputs,
 }
 
 impl Learners {
@@ -193,6 +66,7 @@ impl Learners {
             turned_before: Vec3::ZERO,
             setpoint: Setpoint::default(),
             stale_holds: Inputs::NONE,
+            lagging: Inputs::NONE,
         }
     }
 
@@ -256,22 +130,9 @@ impl Learners {
         command: &MotorShares,
         recorder: &mut impl Recorder,
     ) {
-        for input in [Input::Gyro, Input::Accel, Input::Turned] {
+        for input in [Input::Gyro, Input::Accel, Input::Turned, Input::Command] {
             self.hold(now, input, command, recorder);
         }
-        let (rule, Some(lead)) = (self.rule, self.lead_for(Input::Command)) else {
-            return;
-        };
-        let newest = Held {
-            sample: *command,
-            command: *command,
-            rates: self.gyro.watch.newest().unwrap_or_default(),
-        };
-        if self.takes_stale(Input::Command) {
-            self.command.holds.restart();
-        }
-        let tell = |label: &Label| recorder.label(Input::Command, label);
-        self.command.hold(now, &newest, &rule, &lead, tell);
     }
 
     /// Shows the newest sample of an input, with the command in force, to its shadow holds.
@@ -282,26 +143,53 @@ impl Learners {
         command: &MotorShares,
         recorder: &mut impl Recorder,
     ) {
-        let (rule, Some(lead)) = (self.rule, self.lead_for(input)) else {
+        let Some(lead) = self.lead_for(input) else {
             return;
         };
-        let rates = self.gyro.watch.newest().unwrap_or_default();
-        let stale = self.takes_stale(input);
-        let Some(learner) = self.of_axes(input) else {
-            return;
+        let showing = Showing {
+            now,
+            command: *command,
+            rates: self.gyro.watch.newest().unwrap_or_default(),
+            rule: self.rule_for(input),
+            lead,
+            anew: self.takes_stale(input),
         };
-        if stale {
-            learner.holds.restart();
+        let tell = |label: &Label| recorder.label(input, label);
+        match self.of_axes(input) {
+            Some(learner) => learner.hold(learner.watch.newest(), &showing, tell),
+            None => self.command.hold(Some(*command), &showing, tell),
         }
-        if let Some(sample) = learner.watch.newest() {
-            let newest = Held {
-                sample,
-                command: *command,
-                rates,
-            };
-            let tell = |label: &Label| recorder.label(input, label);
-            learner.hold(now, &newest, &rule, &lead, tell);
+    }
+
+    /// What an input's labels depend on.
+    fn rule_for(&self, input: Input) -> Rule {
+        let mut rule = self.rule;
+        if self.lagging.contains(input) {
+            rule.pairs = Pairs::WeightedLags;
         }
+        rule
+    }
+
+    /// The inputs that learn from lags from here on: first crossings taught them too little.
+    ///
+    /// Their labels so far stay, what is held begins anew.
+    pub(super) fn turn_to_lags(&mut self, now: Instant) -> Inputs {
+        if self.rule.pairs != Pairs::FirstCrossings {
+            return Inputs::NONE;
+        }
+        let held = self.lagging.or(self.stale_holds);
+        let turning = Input::ALL
+            .into_iter()
+            .filter(|input| !held.contains(*input) && self.lesson(*input).is_stuck(now))
+            .fold(Inputs::NONE, Inputs::with);
+        self.lagging = self.lagging.or(turning);
+        self.stale_holds = self.stale_holds.or(turning);
+        turning
+    }
+
+    /// First crossings again for every input, where the settings ask for them.
+    pub(super) fn return_to_crossings(&mut self) {
+        self.lagging = Inputs::NONE;
     }
 
     /// Who is asked before an input; `None` while that has no model to be asked for.
@@ -337,6 +225,7 @@ impl Learners {
         for input in Input::ALL {
             self.lesson_mut(input).restart();
         }
+        self.return_to_crossings();
     }
 
     /// After a run: its samples, its command and its setpoint are the new references.
@@ -350,7 +239,12 @@ impl Learners {
         command: &MotorShares,
         setpoint: &Setpoint,
     ) {
-        each!(self.on_run());
+        self.gyro.on_run();
+        self.accel.on_run();
+        self.chip_accel.on_run();
+        self.chip_mag.on_run();
+        self.turned.on_run();
+        self.command.on_run();
         let last_run = self.rule.reference == Reference::LastRun;
         self.turned_before = if learning || !last_run {
             self.turned_before + turned

@@ -106,7 +106,21 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         match self.supervisor.judge(learned, fitted, now) {
             // Brings the new phase's thresholds with it.
             Some(event) => self.move_phase(event),
-            None => self.want_thresholds(),
+            None => {
+                self.help_stuck_inputs(now);
+                self.want_thresholds();
+            }
+        }
+    }
+
+    /// Lets inputs that first crossings taught too little learn from pairs at several lags.
+    fn help_stuck_inputs(&mut self, now: Instant) {
+        if !self.supervisor.is_learning() {
+            return;
+        }
+        let turning = self.learners.turn_to_lags(now);
+        if !turning.is_empty() {
+            self.events.push(Event::Lags(turning));
         }
     }
 

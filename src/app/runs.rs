@@ -60,10 +60,10 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     pub(super) fn move_phase(&mut self, event: PhaseEvent) {
         if let Some(phase) = self.supervisor.on(event, self.clock) {
             self.events.push(Event::Phase(phase));
-            if let Phase::Fallback(reason) = phase
-                && reason.refutes_models()
-            {
-                self.learners.restart();
+            match phase {
+                Phase::Fallback(reason) if reason.refutes_models() => self.learners.restart(),
+                Phase::WarmUp => self.learners.return_to_crossings(),
+                _ => {}
             }
             self.learners.restart_holds();
             self.limits.restart();

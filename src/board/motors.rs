@@ -1,7 +1,9 @@
 //! Motor pulses: TIM3 drives motors 1 to 4, TIM4 motors 5 to 8.
 //!
 //! Compare registers are preloaded: a command takes effect at the timer's next update event, so
-//! no pulse is ever cut. Both timers count 84 MHz of APB1, divided as the protocol asks.
+//! no pulse is ever cut. Both timers count 84 MHz of APB1, divided as the protocol asks, and start
+//! together, so that their update events coincide but for a few clocks. A channel without a motor
+//! stays low.
 
 use reflex::airframe::{MotorShares, period_ticks, ticks};
 use reflex::config::MOTORS;
@@ -40,9 +42,13 @@ impl Motors {
             pac::TIM4::reset(rcc);
         }
         motors.store([0.0; MOTORS]);
-        begin(&motors.first, protocol);
+        prepare(&motors.first, protocol);
         if MOTORS > CHANNELS {
-            begin(&motors.second, protocol);
+            prepare(&motors.second, protocol);
+        }
+        count(&motors.first);
+        if MOTORS > CHANNELS {
+            count(&motors.second);
         }
         motors
     }
@@ -69,8 +75,8 @@ impl Motors {
     }
 }
 
-/// Up-counting PWM mode 1 with preload on all four channels.
-fn begin(timer: &tim3::RegisterBlock, protocol: MotorProtocol) {
+/// Up-counting PWM mode 1 with preload on all four channels, ready to count.
+fn prepare(timer: &tim3::RegisterBlock, protocol: MotorProtocol) {
     let (divider, period) = period_ticks(protocol);
     timer.psc().write(|w| w.psc().set(divider - 1));
     timer.arr().write(|w| w.arr().set(period - 1));
@@ -88,5 +94,9 @@ fn begin(timer: &tim3::RegisterBlock, protocol: MotorProtocol) {
     });
     // Loads prescaler, period and the shortest pulses before the first count.
     timer.egr().write(|w| w.ug().set_bit());
+}
+
+/// Starts the first period.
+fn count(timer: &tim3::RegisterBlock) {
     timer.cr1().write(|w| w.arpe().enabled().cen().enabled());
 }

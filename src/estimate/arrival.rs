@@ -5,7 +5,6 @@
 //! and alias no vibration; the rate law and the triggers see the filtered sample. The angular
 //! acceleration is derived here too: between rare runs there is no derivative to take.
 
-use crate::config::cascade::RATE_D_CUTOFF;
 use crate::config::{ACCEL_CUTOFF, GYRO_CUTOFF};
 use crate::math::Vec3;
 use crate::sensors::{GRAVITY, ImuSample};
@@ -90,12 +89,15 @@ impl Arrival {
     ///
     /// False where the stamp went back or stood still, or came over 20 ms behind the one before:
     /// then the filters start anew at this sample, and the time between is not integrated.
+    /// `derivative_cutoff` is the corner (Hz) of the filter behind the angular acceleration.
     #[must_use]
-    pub fn take(&mut self, sample: &ImuSample) -> bool {
+    pub fn take(&mut self, sample: &ImuSample, derivative_cutoff: f32) -> bool {
         let step = self.last.map(|last| seconds(span(last, sample.at)));
         self.last = Some(sample.at);
         match step {
-            Some(dt) if dt > 0.0 && dt <= LONGEST_STEP => self.advance(sample, dt),
+            Some(dt) if dt > 0.0 && dt <= LONGEST_STEP => {
+                self.advance(sample, dt, TAU * derivative_cutoff);
+            }
             _ => self.restart(sample),
         }
         step.is_none_or(|dt| dt > 0.0 && dt <= LONGEST_STEP)
@@ -107,10 +109,10 @@ impl Arrival {
         self.acceleration = Vec3::ZERO;
     }
 
-    fn advance(&mut self, sample: &ImuSample, dt: f32) {
+    fn advance(&mut self, sample: &ImuSample, dt: f32, corner: f32) {
         let before = self.rates.second;
         self.rates.step(sample.rates.0, dt, GYRO_CUTOFF);
-        self.derive(before, dt);
+        self.derive(before, dt, corner);
         self.force.step(sample.force.0, dt, ACCEL_CUTOFF);
         let turned = self.rates.second * dt;
         self.sum.swept += (self.sum.angle + turned * 0.5) * dt;
@@ -123,10 +125,9 @@ impl Arrival {
     }
 
     /// One pole behind the difference quotient, which is never formed: `dt` cancels out.
-    fn derive(&mut self, before: Vec3, dt: f32) {
-        const CORNER: f32 = TAU * RATE_D_CUTOFF;
-        let share = 1.0 / (1.0 + CORNER * dt);
-        self.acceleration += (self.rates.second - before) * CORNER;
+    fn derive(&mut self, before: Vec3, dt: f32, corner: f32) {
+        let share = 1.0 / (1.0 + corner * dt);
+        self.acceleration += (self.rates.second - before) * corner;
         self.acceleration = self.acceleration * share;
     }
 
@@ -202,6 +203,8 @@ mod tests {
     use super::*;
     use crate::time::at_micros;
 
+    const CUTOFF: f32 = 20.0;
+
     fn sample(at: u64, rate: f32) -> ImuSample {
         ImuSample {
             at: at_micros(at),
@@ -214,7 +217,7 @@ mod tests {
     fn sums_cover_the_time_between_samples_whatever_their_spacing() {
         let mut arrival = Arrival::default();
         for at in [0, 900, 2_100, 3_000, 10_000] {
-            assert!(arrival.take(&sample(at, 2.0)));
+            assert!(arrival.take(&sample(at, 2.0), CUTOFF));
         }
         let sum = arrival.take_motion().sums;
         assert!((sum.dt - 0.01).abs() < 1e-8);
@@ -228,7 +231,7 @@ mod tests {
         let mut arrival = Arrival::default();
         for step in 0..1000u64 {
             let at = step * 700 + step % 3 * 100;
-            assert!(arrival.take(&sample(at, at as f32 * 5e-6)));
+            assert!(arrival.take(&sample(at, at as f32 * 5e-6), CUTOFF));
         }
         let found = arrival.motion().rotation.acceleration.x;
         assert!((found - 5.0).abs() < 0.3, "{found}");
@@ -237,7 +240,7 @@ mod tests {
     #[test]
     fn a_jump_in_time_is_counted_and_not_integrated() {
         let mut arrival = Arrival::default();
-        let good = [0, 1_000, 500_000, 499_000].map(|at| arrival.take(&sample(at, 2.0)));
+        let good = [0, 1_000, 500_000, 499_000].map(|at| arrival.take(&sample(at, 2.0), CUTOFF));
         assert_eq!(good, [true, true, false, false]);
         assert!((arrival.take_motion().sums.dt - 0.001).abs() < 1e-8);
     }
@@ -248,7 +251,7 @@ mod tests {
         let (mut peak, dt) = (0.0f32, 0.000_1);
         for step in 0..20_000u64 {
             let angle = f64::from(TAU) * f64::from(GYRO_CUTOFF) * step as f64 * dt;
-            assert!(arrival.take(&sample(step * 100, angle.sin() as f32)));
+            assert!(arrival.take(&sample(step * 100, angle.sin() as f32), CUTOFF));
             if step > 10_000 {
                 peak = peak.max(arrival.rates().0.x);
             }

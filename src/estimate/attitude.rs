@@ -33,10 +33,15 @@ impl AttitudeFilter {
     ///
     /// `heading_error` is by how much (rad, clockwise) the estimate's heading falls short of a
     /// measured one, where there is one.
+    ///
+    /// Towards gravity it slows down as it gets there, to second order in the motion's length: a
+    /// rare step that took the first error for the whole of it would end beyond frequent ones.
     #[must_use]
     pub fn correction(&self, motion: &Increment, heading_error: Option<f32>) -> Vec3 {
         let down = self.attitude.down_in_body();
-        let towards_gravity = motion.down.cross(down) * ACCEL_CORRECTION;
+        // Seen the wrong way round, down must not turn this into a division by zero.
+        let slowing = 1.0 + 0.5 * ACCEL_CORRECTION * motion.down.dot(down).abs();
+        let towards_gravity = motion.down.cross(down) * (ACCEL_CORRECTION / slowing);
         let towards_heading = HEADING_CORRECTION * heading_error.unwrap_or(0.0) * motion.dt;
         towards_gravity + down * towards_heading
     }
@@ -118,6 +123,17 @@ mod tests {
     }
 
     #[test]
+    fn down_seen_upside_down_leaves_an_attitude() {
+        let mut filter = AttitudeFilter::default();
+        let upside_down = Increment {
+            down: Vec3::new(0.01, 0.0, -2.0 / ACCEL_CORRECTION),
+            ..still(1.0)
+        };
+        filter = filter.stepped(&upside_down, None);
+        assert!(filter.attitude().down_in_body().norm() > 0.9);
+    }
+
+    #[test]
     fn a_measured_heading_is_followed_the_shorter_way() {
         let mut filter = AttitudeFilter::default();
         for _ in 0..100_000 {
@@ -137,6 +153,21 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn a_rare_step_levels_as_far_as_frequent_ones(x in -4.0f32..4.0, y in -4.0f32..4.0) {
+            let (mut often, mut rarely) = (AttitudeFilter::default(), AttitudeFilter::default());
+            often = often.aligned(Vec3::new(x, y, -9.0));
+            rarely = rarely.aligned(Vec3::new(x, y, -9.0));
+            let tilt = rarely.attitude().down_in_body();
+            for _ in 0..100 {
+                often = often.stepped(&still(0.001), None);
+            }
+            rarely = rarely.stepped(&still(0.1), None);
+            let apart = often.attitude().error_to(rarely.attitude()).max_norm();
+            let far = tilt.cross(Vec3::new(0.0, 0.0, 1.0)).norm();
+            prop_assert!(apart < 1e-4 * far + 1e-6, "{apart} of {far}");
+        }
+
         #[test]
         fn rare_steps_come_to_the_same_attitude_as_frequent_ones(
             x in -3.0f32..3.0, y in -3.0f32..3.0, z in -3.0f32..3.0

@@ -11,8 +11,8 @@
 //! `motion` sums what the MPU6050's gyroscope and accelerometer saw since the last run; it clocks
 //! every state, so that what they come to does not depend on how often control runs.
 
-use super::{ControlLogic, Graph, standard_inputs};
-use crate::airframe::{Mixed, Mixer};
+use super::{ControlLogic, standard_inputs};
+use crate::airframe::{MIXER, Mixed};
 use crate::config::cascade::RATE_D_CUTOFF;
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::{AttitudeLaw, RateInput, RateLaw, RateState, RateStretch, Setpoint, Wanted};
@@ -23,6 +23,7 @@ use crate::units::TorqueDemand;
 
 graph! {
     /// Attitude and rate loops in cascade, on a complementary filter.
+    #[export_declaration]
     pub struct Cascade;
 
     /// Sums of the arrival stage since the last run.
@@ -122,15 +123,11 @@ pub fn rate_loop(
 
 /// The motor vector of a demand.
 pub fn mixed(torque: TorqueDemand, setpoint: &Setpoint) -> Mixed {
-    Mixer::default().mix(torque, setpoint.thrust)
+    MIXER.mix(torque, setpoint.thrust)
 }
 
 impl ControlLogic for Cascade {
-    const NAME: &'static str = "cascade";
-    const GRAPH: Graph = Self::DESCRIPTION;
-    const DERIVATIVE_CUTOFF: f32 = RATE_D_CUTOFF;
-
-    standard_inputs!();
+    standard_inputs!("cascade", RATE_D_CUTOFF);
 
     fn align(&mut self, force: Vec3) {
         self.set_filter(self.filter().aligned(force));

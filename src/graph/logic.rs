@@ -1,21 +1,23 @@
 //! What the autopilot asks of a control logic, whichever it is.
 
 use crate::airframe::Mixed;
-use crate::control::Setpoint;
+use crate::control::{Goal, Setpoint};
 use crate::dataflow::{Description, Dirty};
-use crate::estimate::Motion;
+use crate::estimate::{Motion, Place};
 use crate::math::{Quaternion, Vec3};
 
 /// A control logic: a graph with the inputs that the autopilot brings.
 ///
 /// The same inputs in the same order give the same commands, bit for bit.
-pub trait ControlLogic: Default + Clone + core::fmt::Debug {
+pub trait ControlLogic {
     /// As in `config/selection.toml`.
-    const NAME: &'static str;
+    fn name(&self) -> &'static str;
+
     /// The graph as data.
-    const GRAPH: Description;
+    fn description(&self) -> Description;
+
     /// Corner (Hz) of the filter behind the angular acceleration that it wants to see.
-    const DERIVATIVE_CUTOFF: f32;
+    fn derivative_cutoff(&self) -> f32;
 
     /// Starts the attitude from a mean specific force at rest, in m/s2.
     fn align(&mut self, force: Vec3);
@@ -30,6 +32,14 @@ pub trait ControlLogic: Default + Clone + core::fmt::Debug {
 
     /// A new setpoint.
     fn fly(&mut self, setpoint: Setpoint);
+
+    /// A place to fly to, which goes before the setpoint; `None` lets the setpoint count again.
+    ///
+    /// Logics without position loops fly the setpoint all the same.
+    fn fly_to(&mut self, _goal: Option<Goal>) {}
+
+    /// Where the drone is.
+    fn see(&mut self, _place: Place) {}
 
     /// Whether motion is no longer seen: then thrust is all that is commanded.
     fn go_blind(&mut self, blind: bool);
@@ -52,7 +62,19 @@ pub trait ControlLogic: Default + Clone + core::fmt::Debug {
 
 /// The part of [`ControlLogic`] that only hands on to inputs and values of the usual names.
 macro_rules! standard_inputs {
-    () => {
+    ($name:literal, $derivative_cutoff:expr) => {
+        fn name(&self) -> &'static str {
+            $name
+        }
+
+        fn description(&self) -> $crate::dataflow::Description {
+            Self::DESCRIPTION
+        }
+
+        fn derivative_cutoff(&self) -> f32 {
+            $derivative_cutoff
+        }
+
         fn take(&mut self, motion: &$crate::estimate::Motion, heading: Option<f32>) {
             if motion.sums.dt > 0.0 {
                 self.set_motion(motion.sums);
@@ -91,4 +113,17 @@ macro_rules! standard_inputs {
     };
 }
 
-pub(super) use standard_inputs;
+/// The same for inputs of logics that fly to places.
+macro_rules! place_inputs {
+    () => {
+        fn fly_to(&mut self, goal: Option<$crate::control::Goal>) {
+            self.set_goal(goal);
+        }
+
+        fn see(&mut self, place: $crate::estimate::Place) {
+            self.set_place(place);
+        }
+    };
+}
+
+pub(super) use {place_inputs, standard_inputs};

@@ -3,12 +3,12 @@
 //! ```text
 //! motion ----+--> filter --> attitude ----------+
 //! heading ---+      |                           |
-//! goal ------+--> path --> flown ---------------+--> wanted --+
+//! goal ------+--> path --> target --------------+--> wanted --+
 //! place -----+               ^                  |             |
 //! setpoint ------------------+                  |             |
 //! motion (clock) --> integrals -----------------+-------------+--> torque --+
 //! rotation ---------------------------------------------------+             +--> command
-//! flown's thrust -----------------------------------------------------------+
+//! target's thrust ----------------------------------------------------------+
 //! ```
 //! After OpenPilot 15.02 and its successor LibrePilot 16.09, firmware of CopterControl and
 //! Revolution, in structure and default gains: Attitude (`attitude.c`, `filtercf.c`),
@@ -19,8 +19,8 @@
 //! Left out: modes for sticks only (axis lock, weak levelling, virtual bar, rattitude), cruise
 //! control, landing, and scaling of gains by thrust.
 
-use super::{ControlLogic, Graph, standard_inputs};
-use crate::airframe::{Mixed, Mixer};
+use super::{ControlLogic, place_inputs, standard_inputs};
+use crate::airframe::{MIXER, Mixed};
 use crate::config::openpilot::RATE_D_CUTOFF;
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::openpilot::{
@@ -57,19 +57,19 @@ graph! {
     /// Attitude, body to Earth.
     node attitude: Quaternion = attitude_of(&filter);
     /// Integral terms of position and altitude loops.
-    state path: PathState = followed(&path, &place, &goal, &last flown), clocked by place;
+    state path: PathState = followed(&path, &place, &goal, &last target), clocked by place;
     /// The setpoint in force: the goal's, where there is one, else the one from outside.
-    node flown: Setpoint = flown(&setpoint, &goal, &place, &path);
+    node target: Setpoint = target_of(&setpoint, &goal, &place, &path);
     /// Integral terms of attitude and rate loops.
     state integrals: Integrals = integrated(
-        &integrals, &motion, &last filter, &filter, &last flown, &last rotation, &rotation
+        &integrals, &motion, &last filter, &filter, &last target, &rotation
     ), clocked by motion;
     /// What the attitude loop asks for.
-    node wanted: BodyRates = attitude_loop(attitude, &integrals, &flown);
+    node wanted: BodyRates = attitude_loop(attitude, &integrals, &target);
     /// What the rate loop asks for.
     node torque: TorqueDemand = rate_loop(&integrals, wanted, &rotation, &filter, blind);
     /// The motor vector.
-    output command: Mixed = mixed(torque, &flown);
+    output command: Mixed = mixed(torque, &target);
 }
 
 const LAW: Stabilization = Stabilization::CONFIGURED;
@@ -93,13 +93,13 @@ pub fn followed(
     path: &PathState,
     place: &Place,
     goal: &Option<Goal>,
-    flown: &Setpoint,
+    target: &Setpoint,
 ) -> PathState {
-    PathFollower.after(path, place, goal.as_ref(), flown.thrust)
+    PathFollower.after(path, place, goal.as_ref(), target.thrust)
 }
 
 /// The goal's setpoint, else the one from outside.
-pub fn flown(
+pub fn target_of(
     setpoint: &Setpoint,
     goal: &Option<Goal>,
     place: &Place,
@@ -115,11 +115,10 @@ pub fn integrated(
     motion: &Increment,
     before: &OpenPilotFilter,
     after: &OpenPilotFilter,
-    flown: &Setpoint,
-    rotation_before: &Rotation,
+    target: &Setpoint,
     rotation: &Rotation,
 ) -> Integrals {
-    let [start, end] = [before, after].map(|filter| AttitudeError::of(filter.attitude(), flown));
+    let [start, end] = [before, after].map(|filter| AttitudeError::of(filter.attitude(), target));
     let turned = after.turned(before, motion);
     let stretch = StabilizedStretch {
         error: ErrorStretch::of_turn(
@@ -130,17 +129,14 @@ pub fn integrated(
         ),
         axes: start.axes,
         turned: turned.body,
-        measured: [
-            before.unbiased(rotation_before.rates),
-            after.unbiased(rotation.rates),
-        ],
+        measured: after.unbiased(rotation.rates),
     };
-    LAW.after(integrals, flown, &stretch)
+    LAW.after(integrals, target, &stretch)
 }
 
 /// Desired rates of an attitude.
-pub fn attitude_loop(attitude: Quaternion, integrals: &Integrals, flown: &Setpoint) -> BodyRates {
-    LAW.wanted(&AttitudeError::of(attitude, flown), integrals, flown)
+pub fn attitude_loop(attitude: Quaternion, integrals: &Integrals, target: &Setpoint) -> BodyRates {
+    LAW.wanted(&AttitudeError::of(attitude, target), integrals, target)
 }
 
 /// Torque demands; none where no motion is seen.
@@ -165,16 +161,13 @@ pub fn rate_loop(
 }
 
 /// The motor vector of a demand.
-pub fn mixed(torque: TorqueDemand, flown: &Setpoint) -> Mixed {
-    Mixer::default().mix(torque, flown.thrust)
+pub fn mixed(torque: TorqueDemand, target: &Setpoint) -> Mixed {
+    MIXER.mix(torque, target.thrust)
 }
 
 impl ControlLogic for OpenPilot {
-    const NAME: &'static str = "openpilot";
-    const GRAPH: Graph = Self::DESCRIPTION;
-    const DERIVATIVE_CUTOFF: f32 = RATE_D_CUTOFF;
-
-    standard_inputs!();
+    standard_inputs!("openpilot", RATE_D_CUTOFF);
+    place_inputs!();
 
     fn align(&mut self, force: Vec3) {
         self.set_filter(self.filter().aligned(force));

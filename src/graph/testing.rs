@@ -8,7 +8,7 @@ use crate::sensors::GRAVITY;
 use crate::units::{BodyRates, Thrust};
 
 /// A graph that has flown level for a run.
-pub fn settled<L: ControlLogic>() -> L {
+pub fn settled<L: ControlLogic + Default>() -> L {
     let mut graph = L::default();
     graph.fly(Setpoint::level(Thrust::new(0.5).expect("in range")));
     graph.run();
@@ -37,7 +37,8 @@ pub fn turning(rate: f32) -> Motion {
 /// The values that a run changes, inputs first.
 pub fn visited<L: ControlLogic>(graph: &mut L) -> String {
     let dirty = graph.run();
-    let names: Vec<&str> = L::GRAPH
+    let names: Vec<&str> = graph
+        .description()
         .values
         .iter()
         .filter(|value| dirty.any(value.mark))

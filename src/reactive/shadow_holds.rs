@@ -6,6 +6,8 @@
 //! candidate (or the failsafe would have come), labels that crossing, and holds anew. Where
 //! the leading input would have asked for a run first, there is nothing left to learn of the
 //! others: the hold is *overtaken*, as runs that several inputs ask for teach nothing.
+//!
+//! Where no change crosses any candidate, a hold may end after a number of samples instead.
 
 use super::{Label, Labels, Sample};
 use crate::airframe::MotorShares;

@@ -1,7 +1,7 @@
 //! Ours: a plain struct, straight-line code, dirty marks in one word.
 
 use proc_macro2::{Ident, TokenStream};
-use quote::{format_ident, quote};
+use quote::{format_ident, quote, quote_spanned};
 
 use super::{call, constants, description, differs, mark, starting};
 use crate::graph::{Argument, Computed, Value};
@@ -20,7 +20,7 @@ pub fn graph(plan: &Plan, declaration: &TokenStream) -> TokenStream {
     let description = description::of_type(plan);
     let methods = [new(plan), setters(plan), getters(plan)];
     let propagation = [propagate(plan), recompute(plan), foresee(plan)];
-    let again = declaration_again(name, declaration);
+    let again = graph.exported.then(|| declaration_again(name, declaration));
     quote! {
         #(#attributes)*
         #[derive(Clone, Debug)]
@@ -178,7 +178,7 @@ fn recompute(plan: &Plan) -> TokenStream {
 fn foresee(plan: &Plan) -> TokenStream {
     let outputs = plan.graph.values.iter().filter(|it| it.is_output());
     let methods = outputs.map(|output| {
-        let needed = plan.needed_by(core::iter::once(output));
+        let needed = plan.needed_now(output);
         let (name, of_type) = (&output.name, &output.of_type);
         let method = format_ident!("foresee_{}", name);
         let steps = plan
@@ -205,11 +205,7 @@ fn foreseen(plan: &Plan, value: &Value, computed: &Computed) -> TokenStream {
     let call = call(computed, |argument| {
         let read = &argument.name;
         let unchanged = argument.last || read == name || plan.value(read).input().is_some();
-        if unchanged {
-            quote!(self.#read)
-        } else {
-            local(read)
-        }
+        if unchanged { field(read) } else { local(read) }
     });
     if let Some(clock) = value.clock() {
         let clock = mark(clock);
@@ -244,8 +240,13 @@ fn stored(argument: &Argument) -> TokenStream {
         let last = last(name);
         quote!(#last)
     } else {
-        quote!(self.#name)
+        field(name)
     }
+}
+
+/// A field, at the place of its name: there an argument of a wrong type is shown.
+fn field(name: &Ident) -> TokenStream {
+    quote_spanned!(name.span() => self.#name)
 }
 
 fn local(name: &Ident) -> TokenStream {

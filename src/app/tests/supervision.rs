@@ -1,6 +1,7 @@
 //! What goes wrong, what the autopilot falls back to, and its way back.
 
 use super::*;
+use crate::config::LONGEST_WARM_UP;
 use crate::math::{Quaternion, Vec3};
 use crate::reactive::FallbackReason;
 use crate::units::BodyRates;
@@ -216,4 +217,34 @@ fn a_chip_that_repeats_itself_ends_reactive_control_where_its_model_counts() {
     assert_eq!(bench.phase(), Phase::Fallback(FallbackReason::SensorLost));
     with_chip(&mut bench, 20_000, |_| [5, 5, -8192]);
     assert_eq!(bench.phase(), Phase::Reactive, "it is flown without");
+}
+
+/// Inputs that the log of a warm-up says turned to lags, and after how many seconds.
+fn turned_to_lags(seconds: u64, rate: fn(u64) -> Option<i16>) -> Vec<(u64, Inputs)> {
+    let mut bench = Bench::armed(Settings {
+        warm_up: WarmUp::Fixed(LONGEST_WARM_UP),
+        ..SETTINGS
+    });
+    let mut turned = Vec::new();
+    for step in 0..seconds * 10 {
+        bench.milliseconds(100, rate);
+        while let Some(event) = bench.autopilot.next_event() {
+            if let Event::Lags(inputs) = event {
+                turned.push((step / 10, inputs));
+            }
+        }
+    }
+    turned
+}
+
+#[test]
+fn a_warm_up_in_which_nothing_changes_turns_to_lags_at_half_its_longest() {
+    let half = LONGEST_WARM_UP.ticks() / 2_000_000;
+    let leads = Inputs::NONE.with(Input::Command);
+    assert_eq!(turned_to_lags(half + 5, noise), [(half, leads)]);
+}
+
+#[test]
+fn a_warm_up_that_learns_turns_to_no_lags() {
+    assert_eq!(turned_to_lags(25, gusty), []);
 }

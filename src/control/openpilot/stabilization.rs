@@ -98,6 +98,8 @@ pub struct Integrals {
     attitude: Vec3,
     /// Of the rate loop.
     rate: RateState,
+    /// Measured rates when they last advanced.
+    measured: BodyRates,
 }
 
 /// A stretch of time as both loops see it, flown with one setpoint.
@@ -109,8 +111,8 @@ pub struct StabilizedStretch {
     pub axes: Vec3,
     /// Angle that the body turned, in rad.
     pub turned: Vec3,
-    /// Measured rates at its start and its end.
-    pub measured: [BodyRates; 2],
+    /// Measured rates at its end.
+    pub measured: BodyRates,
 }
 
 impl Stabilization {
@@ -159,7 +161,7 @@ impl Stabilization {
         if setpoint.thrust.share() <= 0.0 {
             return Integrals::default();
         }
-        let dt = stretch.error.dt;
+        let (dt, measured) = (stretch.error.dt, stretch.measured);
         if dt <= 0.0 {
             return *before;
         }
@@ -170,8 +172,8 @@ impl Stabilization {
             .integrated(held, law.integral, law.integral_limit);
         let [start, mean, end] = law.rates(&stretch.error, [held, attitude], setpoint);
         let rate_error = ErrorStretch {
-            start: start - stretch.measured[0].0,
-            end: end - stretch.measured[1].0,
+            start: start - before.measured.0,
+            end: end - measured.0,
             mean: mean - stretch.turned * (1.0 / dt),
             dt,
         };
@@ -182,7 +184,11 @@ impl Stabilization {
             };
             self.rate.after(&state, &part)
         });
-        Integrals { attitude, rate }
+        Integrals {
+            attitude,
+            rate,
+            measured,
+        }
     }
 
     /// Torque demands in a state.

@@ -21,7 +21,7 @@ fn each_input_reaches_its_own_slice() {
     assert_eq!(visited(&mut graph), "rotation torque command");
 
     graph.set_setpoint(Setpoint::level(Thrust::new(0.6).expect("in range")));
-    assert_eq!(visited(&mut graph), "setpoint flown command");
+    assert_eq!(visited(&mut graph), "setpoint target command");
 
     graph.set_heading(Some(0.1));
     assert_eq!(visited(&mut graph), "heading");
@@ -37,19 +37,19 @@ fn each_input_reaches_its_own_slice() {
     graph.set_blind(false);
     graph.run();
 
-    graph.set_goal(Some(Goal {
+    graph.fly_to(Some(Goal {
         position: Position(Vec3::new(5.0, 0.0, -2.0)),
         ..Goal::default()
     }));
     assert_eq!(visited(&mut graph), "goal");
 
-    graph.set_place(Place {
+    graph.see(Place {
         dt: 0.02,
         ..Place::default()
     });
     assert_eq!(
         visited(&mut graph),
-        "place path flown wanted torque command"
+        "place path target wanted torque command"
     );
 }
 
@@ -207,12 +207,12 @@ proptest! {
         let mut graph: OpenPilot = settled();
         for ([x, y, z, north, east, down], heading, dt, to_goal) in steps {
             let body = Turning { rate: Vec3::new(x, y, z), acceleration: Vec3::new(east, x, down) };
-            graph.set_goal(to_goal.then_some(Goal {
+            graph.fly_to(to_goal.then_some(Goal {
                 position: Position(Vec3::new(north, east, down) * 100.0),
                 heading,
                 ..Goal::default()
             }));
-            graph.set_place(Place { dt, ..Place::default() });
+            graph.see(Place { dt, ..Place::default() });
             graph.take(&body.motion(0.0, dt), Some(heading));
             graph.run();
             for share in graph.command().shares {

@@ -61,7 +61,7 @@ impl Roll {
             ),
             axes: before.axes,
             turned,
-            measured: [self.rate, end.rate].map(|rate| BodyRates(about_roll(rate))),
+            measured: BodyRates(about_roll(end.rate)),
         }
     }
 
@@ -69,7 +69,11 @@ impl Roll {
     fn integrals(self, law: &Stabilization, before: Integrals, steps: u16) -> Integrals {
         let dt = 0.05 / f32::from(steps);
         let setpoint = level();
-        (0..steps).fold(before, |state, k| {
+        let start = Integrals {
+            measured: BodyRates(about_roll(self.rate)),
+            ..before
+        };
+        (0..steps).fold(start, |state, k| {
             let stretch = self.after(f32::from(k) * dt).stretch(dt, &setpoint);
             law.after(&state, &setpoint, &stretch)
         })
@@ -202,7 +206,7 @@ proptest! {
                 error: ErrorStretch::of_turn([error, -error], [turned, turned * dt], axes, dt),
                 axes,
                 turned,
-                measured: [BodyRates(error), BodyRates(turned)],
+                measured: BodyRates(turned),
             };
             state = law.after(&state, &level(), &stretch);
             prop_assert!(state.attitude.is_finite());

@@ -1,0 +1,169 @@
+//! One input: what it is measured against, what it learned, and how it goes on learning.
+
+use crate::airframe::MotorShares;
+use crate::config::{Changes, LABELS_OF_EACH_CLASS, LONGEST_WARM_UP, STABLE_CHANGE};
+use crate::math::Vec3;
+use crate::reactive::{
+    Decision, Fit, Held, Label, Labels, Lead, Logistic, Rule, Sample, ShadowHolds, Watch,
+};
+use crate::sensors::Input;
+use crate::settings::Settings;
+use crate::time::{Duration, Instant, micros, span};
+
+/// How long first crossings may teach an input too little before it learns from lags.
+///
+/// Half of the longest warm-up: as long again is left to learn from lags before that ends.
+pub(super) const PATIENCE: Duration = micros(LONGEST_WARM_UP.ticks() / 2);
+
+/// One input: what it is measured against, what it learned.
+#[derive(Clone, Debug)]
+pub(in crate::app) struct Learner<S = Vec3> {
+    pub(in crate::app) watch: Watch<S>,
+    pub(in crate::app) lesson: Lesson,
+    holds: ShadowHolds<S>,
+}
+
+/// What one input learned, whatever its samples are.
+#[derive(Clone, Debug)]
+pub(in crate::app) struct Lesson {
+    pub(in crate::app) decision: Decision,
+    pub(in crate::app) labels: Labels,
+    /// Its model may ask for a run.
+    pub(in crate::app) triggers: bool,
+    pub(in crate::app) refitted: Instant,
+    /// When its shadow holds began; none before their first sample.
+    held_since: Option<Instant>,
+    /// Refits in a row that left the threshold where it was.
+    stable: u8,
+}
+
+/// What is shown to an input's shadow holds, besides its sample.
+pub(super) struct Showing {
+    pub(super) now: Instant,
+    pub(super) command: MotorShares,
+    pub(super) rates: Vec3,
+    pub(super) rule: Rule,
+    pub(super) lead: Lead,
+    /// What was held so far is to be forgotten.
+    pub(super) anew: bool,
+}
+
+impl<S: Sample> Learner<S> {
+    pub(super) fn new(input: Input, changes: &Changes, settings: &Settings) -> Self {
+        Self {
+            watch: Watch::new(settings.reference),
+            lesson: Lesson {
+                decision: Decision::new(settings.p_run),
+                labels: Labels::new(changes),
+                triggers: settings.triggers.contains(input),
+                refitted: Instant::from_ticks(0),
+                held_since: None,
+                stable: 0,
+            },
+            holds: ShadowHolds::new(changes),
+        }
+    }
+
+    /// Takes a sample; true where its change calls for a run.
+    pub(in crate::app) fn calls(&mut self, sample: S) -> bool {
+        let x = self.watch.take(sample);
+        self.lesson.decision.take(x) && self.lesson.triggers
+    }
+
+    pub(super) fn on_run(&mut self) {
+        self.watch.on_run();
+        self.lesson.decision.on_run();
+    }
+
+    /// What is measured against is this sample now.
+    pub(in crate::app) fn rearm(&mut self, sample: S) {
+        self.watch.rearm(sample);
+        self.lesson.decision.on_run();
+    }
+
+    /// Shows a sample, where there is one, to the shadow holds.
+    pub(super) fn hold(&mut self, sample: Option<S>, showing: &Showing, tell: impl FnMut(&Label)) {
+        let &Showing {
+            now,
+            command,
+            rates,
+            ref rule,
+            ref lead,
+            anew,
+        } = showing;
+        if anew {
+            self.holds.restart();
+            self.lesson.held_since = None;
+        }
+        let Some(sample) = sample else {
+            return;
+        };
+        self.lesson.held_since.get_or_insert(now);
+        let newest = Held {
+            sample,
+            command,
+            rates,
+        };
+        let labels = &mut self.lesson.labels;
+        self.holds.take(now, &newest, rule, lead, labels, tell);
+    }
+}
+
+impl Lesson {
+    /// Swaps a fit in; keeps count of how long the threshold has been stable.
+    ///
+    /// Where labels became too few to fit again, what they said while there were enough stays:
+    /// a threshold that hides changes also starves its own labels.
+    pub(in crate::app) fn swap(&mut self, fit: Fit) {
+        let starved = self.labels.of_rarer_class() < LABELS_OF_EACH_CLASS as f32;
+        if fit == Fit::Unfit && starved && self.decision.fit() != Fit::Unfit {
+            return;
+        }
+        let before = self.decision.model().map(|_| self.decision.threshold());
+        self.decision.set_fit(fit);
+        self.stable = match (before, self.decision.model()) {
+            (Some(threshold), Some(model)) if self.is_still_right(threshold, &model) => {
+                self.stable.saturating_add(1)
+            }
+            _ => 0,
+        };
+    }
+
+    /// True where a newer model sees an older threshold close to `P_run` too.
+    fn is_still_right(&self, threshold: f32, newer: &Logistic) -> bool {
+        (newer.probability(threshold) - self.decision.p_run()).abs() <= STABLE_CHANGE
+    }
+
+    /// Stable and with labels of both classes, or known not to matter.
+    pub(in crate::app) fn is_settled(&self) -> bool {
+        match self.decision.fit() {
+            _ if !self.triggers => true,
+            Fit::Irrelevant => true,
+            Fit::Unfit => false,
+            Fit::Model(_) => {
+                self.stable >= 2 && self.labels.of_rarer_class() >= LABELS_OF_EACH_CLASS as f32
+            }
+        }
+    }
+
+    /// True where its shadow holds taught too little for long.
+    pub(super) fn is_stuck(&self, now: Instant) -> bool {
+        let long = |since| span(since, now) >= PATIENCE;
+        self.triggers && self.decision.fit() == Fit::Unfit && self.held_since.is_some_and(long)
+    }
+
+    /// Forgets everything: what was learned elsewhere holds no longer.
+    pub(super) fn restart(&mut self) {
+        self.labels.fade(0.0);
+        self.decision.set_fit(Fit::Unfit);
+        self.stable = 0;
+    }
+
+    /// Counts what the present change came to; nothing where no change was measured.
+    pub(in crate::app) fn label(&mut self, changed: bool, weight: f32) -> Option<Label> {
+        let x = self.decision.change()?;
+        let label = Label { x, changed, weight };
+        self.labels.add(&label);
+        Some(label)
+    }
+}

@@ -1,0 +1,20 @@
+use reflex::dataflow::graph;
+
+fn copied(x: f32) -> f32 {
+    x
+}
+
+fn summed(x: f32, y: f32) -> f32 {
+    x + y
+}
+
+graph! {
+    struct Graph;
+
+    input rate: f32, at 1000 Hz, gates;
+    node error: f32 = copied(rate);
+    state angle: f32 = summed(angle, error), clocked by error;
+    output command: f32 = copied(angle);
+}
+
+fn main() {}

@@ -1,0 +1,14 @@
+use reflex::dataflow::graph;
+
+fn copied(x: f32) -> f32 {
+    x
+}
+
+graph! {
+    struct Graph;
+
+    input rate: f32, at 1000 Hz;
+    output command: f32 = copied(rate);
+}
+
+fn main() {}

@@ -1,0 +1,14 @@
+use reflex::dataflow::graph;
+
+fn summed(x: f32, y: f32) -> f32 {
+    x + y
+}
+
+graph! {
+    struct Graph;
+
+    input rate: f32, at 1000 Hz, gates;
+    output command: f32 = summed(rate, wanted);
+}
+
+fn main() {}
