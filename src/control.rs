@@ -4,7 +4,9 @@
 //! state after a stretch of measured time, `law.demand(&state, input)` what it asks for. After a
 //! stretch of no length the demand is recomputed from the present inputs, and the state stays.
 
+pub mod arducopter;
 mod attitude_law;
+pub mod cleanflight;
 mod goal;
 pub mod openpilot;
 mod rate_law;

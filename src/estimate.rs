@@ -1,13 +1,16 @@
 //! From samples to what the control logic wants to know: rates and attitude.
 
+pub mod arducopter;
 mod arrival;
 mod attitude;
 mod calibration;
+mod mahony;
 mod openpilot;
 mod place;
 
 pub use arrival::{Arrival, Increment, Motion, Rotation};
 pub use attitude::AttitudeFilter;
 pub use calibration::{AtRest, GyroCalibration};
+pub use mahony::{Evidence, MahonyFilter};
 pub use openpilot::{OpenPilotFilter, Turned};
 pub use place::Place;

@@ -3,13 +3,17 @@
 //! A new logic is a page here, its gains in `config/logics/` with their table in `config/src/`,
 //! and two lines below.
 
+pub mod arducopter;
 pub mod cascade;
+pub mod cleanflight;
 mod logic;
 pub mod openpilot;
 #[cfg(test)]
 mod testing;
 
+pub use arducopter::ArduCopter;
 pub use cascade::Cascade;
+pub use cleanflight::Cleanflight;
 pub use logic::ControlLogic;
 pub use openpilot::OpenPilot;
 
@@ -18,6 +22,12 @@ use logic::{place_inputs, standard_inputs};
 /// The control logic that `config/selection.toml` names.
 #[cfg(logic = "cascade")]
 pub type Flown = Cascade;
+/// The control logic that `config/selection.toml` names.
+#[cfg(logic = "arducopter")]
+pub type Flown = ArduCopter;
+/// The control logic that `config/selection.toml` names.
+#[cfg(logic = "cleanflight")]
+pub type Flown = Cleanflight;
 /// The control logic that `config/selection.toml` names.
 #[cfg(logic = "openpilot")]
 pub type Flown = OpenPilot;

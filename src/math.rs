@@ -27,5 +27,11 @@ pub fn sqrt(x: f32) -> f32 {
 /// that panic with it: 17 KiB of flash.
 #[must_use]
 pub fn limited(x: f32, limit: f32) -> f32 {
-    x.max(-limit).min(limit)
+    between(x, -limit, limit)
+}
+
+/// `x` within `low..=high`, for `low` of at most `high`; see [`limited`].
+#[must_use]
+pub fn between(x: f32, low: f32, high: f32) -> f32 {
+    x.max(low).min(high)
 }

@@ -1,6 +1,18 @@
-//! The parts that are measured, in order: shared by the program and its reader.
+//! What is measured, in order: shared by the programs and their reader.
 #![cfg_attr(target_os = "none", no_std)]
 #![forbid(unsafe_code)]
+
+pub mod step;
+pub mod ways;
+
+/// Most steps that the program `logics` takes at once.
+pub const STEPS: usize = 256;
+/// Where they stand in its memory: how many, then the words of each.
+pub const STEPS_SYMBOL: &str = "REFLEX_BENCH_STEPS";
+/// The ways in which each step is run, in this order.
+pub const WAYS: [&str; 4] = ["time_triggered", "reactive", "callbacks", "pointer_vector"];
+/// The control logics that are run, in this order.
+pub const LOGICS: [&str; 1] = ["cascade"];
 
 /// One part: what it is, and how often it is measured on other inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,14 +3,20 @@
 //! A new gain is one line in its table and a few in the TOML, a new logic a table and its entry
 //! in [`LOGICS`]. Checks and constants both come from here.
 
+mod arducopter;
 mod cascade;
+mod cleanflight;
 mod openpilot;
 
 use crate::logic::{Gain, Range, Shape};
 
 /// Every control logic: the name of its file and its gains.
-pub(crate) const LOGICS: &[(&str, &[Gain])] =
-    &[("cascade", cascade::GAINS), ("openpilot", openpilot::GAINS)];
+pub(crate) const LOGICS: &[(&str, &[Gain])] = &[
+    ("arducopter", arducopter::GAINS),
+    ("cascade", cascade::GAINS),
+    ("cleanflight", cleanflight::GAINS),
+    ("openpilot", openpilot::GAINS),
+];
 
 /// A gain of one number.
 const fn number(path: [&'static str; 2], range: Range, unit: &'static str) -> Gain {

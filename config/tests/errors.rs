@@ -44,6 +44,8 @@ logics/cascade.toml | p = [6.0, 6.0, 3.0] | p = [6.0, -6.0, 3.0] | attitude.p | 
 logics/cascade.toml | rate_limit_rad_s = [4.0 | rate_limit_rad_s = [40.0 | attitude.rate_limit_rad_s | at most 35
 logics/cascade.toml | d_cutoff_hz = 20 | d_cutoff_hz = 0 | rate.d_cutoff_hz | 1 to 200 Hz
 logics/cascade.toml | accel_correction = 0.4 | accel_correction = nan | estimate.accel_correction | 0 to 10 1/s
+logics/cleanflight.toml | max_lean_rad = 0.873 | max_lean_rad = 50 | level.max_lean_rad | above 0 and at most 1.5 rad
+logics/cleanflight.toml | velocity_p = 0.375 | velocity_p = 375 | altitude.velocity_p | 0 to 2 share of full thrust per m/s
 "#;
 
 /// file | text in it | its replacement | what is said
@@ -73,7 +75,7 @@ airframes/quad_x.toml | spin = "cw" | spin = "ccw" | motors: 1 of 4 spin cw, mus
 airframes/quad_x.toml | angle_deg = 315 | angle_deg = 300 | motors: equal thrust would roll: the mean lever is 0.04 of an arm
 airframes/quad_x.toml | angle_deg = 315 | angle_deg = 45 | motors: equal thrust would roll: the mean lever is 0.35 of an arm
 boards/reflex_f427.toml | imu_rate_hz = 1000 | imu_rate_hz = 125 | filters.gyro_cutoff_hz: must be 5 to
-selection.toml | airframe = "quad_x" | airframe = "hexa" | airframe: airframes/hexa.toml does not exist, must be one of: quad_x
+selection.toml | airframe = "quad_x" | airframe = "hexa" | airframe: airframes/hexa.toml does not exist, must be one of: hexa_x, quad_x
 selection.toml | airframe = "quad_x" | airframe = "../boards/reflex_f427" | airframe: airframes
 "#;
 

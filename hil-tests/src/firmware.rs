@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 use cargo_metadata::Message;
@@ -9,6 +10,7 @@ use object::LittleEndian as LE;
 use object::elf::{FileHeader32, PT_LOAD, SHF_ALLOC, SHT_NOTE};
 use object::read::elf::{ElfFile32, FileHeader, ProgramHeader, SectionHeader};
 
+use crate::logics::LogicName;
 use crate::progress::Progress;
 use crate::toolchain::{self, TARGET};
 
@@ -46,9 +48,14 @@ impl Firmware {
     ///
     /// # Errors
     /// The target cannot be added (a refusal), the build fails, or it leaves no ELF file.
-    pub fn build(progress: &mut dyn Progress) -> Result<Self> {
+    pub fn build(logic: LogicName, progress: &mut dyn Progress) -> Result<Self> {
         progress.stage("Building the firmware");
-        Self::linked((NAME, NAME), progress)
+        let mut build = toolchain::cargo();
+        // Named only where it is another: the variable alone would build everything anew.
+        if logic != LogicName::configured() {
+            build.env("REFLEX_LOGIC", logic.word());
+        }
+        Self::linked(build, (NAME, NAME), progress)
     }
 
     /// Builds the program that runs parts of the firmware one by one, for measurements.
@@ -57,12 +64,15 @@ impl Firmware {
     /// As those of [`Self::build`].
     pub fn build_parts(progress: &mut dyn Progress) -> Result<Self> {
         progress.stage("Building the parts");
-        Self::linked(PARTS, progress)
+        Self::linked(toolchain::cargo(), PARTS, progress)
     }
 
-    fn linked((package, name): (&str, &'static str), progress: &mut dyn Progress) -> Result<Self> {
+    fn linked(
+        mut build: Command,
+        (package, name): (&str, &'static str),
+        progress: &mut dyn Progress,
+    ) -> Result<Self> {
         toolchain::ensure_target(progress)?;
-        let mut build = toolchain::cargo();
         build.args([
             "build",
             "--release",

@@ -16,6 +16,7 @@ pub mod commands;
 pub mod costs;
 pub mod firmware;
 pub mod flights;
+pub mod logics;
 pub mod native;
 pub mod plot;
 pub mod progress;

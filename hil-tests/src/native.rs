@@ -98,7 +98,12 @@ fn boot(flight: &Flight, setpoints: &Setpoints, options: &ReplayOptions) -> (Nat
     let mut frames = schedule(flight, setpoints, at_rest);
     frames.retain(|frame| frame.at_ns < end_ns);
     let chip_options = chip_options(flight, options);
-    let board = NativeBoard::boot(options.settings, &source, chip_options, frames);
+    let board = NativeBoard::boot(
+        (options.settings, options.logic),
+        &source,
+        chip_options,
+        frames,
+    );
     (board, end_ns)
 }
 
@@ -123,7 +128,7 @@ fn watch(board: &mut NativeBoard, end_ns: u64, progress: &mut dyn Progress) -> V
 
 fn tell<'c>(calls: &'c [Stamped], options: &ReplayOptions, name: &str) -> Result<Story<'c>> {
     let start_us = clock(Bench::default().length_ns()).ticks();
-    let story = Story::tell(calls, options.settings, start_us)?;
+    let story = Story::tell(calls, (options.settings, options.logic), start_us)?;
     if story.runs_in_the_air == 0 {
         bail!(Refusal::new(format!("{name}: the drone never armed")));
     }

@@ -52,7 +52,7 @@ use story::Story;
 pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Report> {
     let (flight, path) = open_flight(options)?;
     let defmt = open_defmt(options)?;
-    let firmware = Firmware::build(progress)?;
+    let firmware = Firmware::build(options.logic, progress)?;
     let watches = HANDLERS.map(Watched::from).to_vec();
     let mut bench = TestBench::new(&flight, options, &firmware, watches)?;
     let mut observation = Observation::new(defmt, options.defmt.clone());
@@ -65,7 +65,11 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
     progress.stage("Scoring");
     let alignment = Alignment::of(&observation, options.settings.motors)?;
     let start_us = alignment.clock_us(bench.flight_start_ns());
-    let story = Story::tell(&observation.calls, options.settings, start_us)?;
+    let story = Story::tell(
+        &observation.calls,
+        (options.settings, options.logic),
+        start_us,
+    )?;
     if story.runs_in_the_air == 0 {
         bail!(
             "{}: the firmware never armed: see its log with --defmt FILE",

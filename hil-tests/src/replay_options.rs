@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use reflex::settings::Settings;
 
 use crate::flights::Rotate;
+use crate::logics::LogicName;
 
 /// The options of one replay, checked; made by the command line or by a test.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +14,8 @@ pub struct ReplayOptions {
     pub log: Option<PathBuf>,
     /// What the firmware is told; its seed also seeds noise and oscillators.
     pub settings: Settings,
+    /// The control logic.
+    pub logic: LogicName,
     /// Most of the flight that is replayed, in s; none for all of it.
     pub duration_s: Option<f64>,
     /// How the log's axes lie in the body's.
@@ -28,6 +31,7 @@ impl Default for ReplayOptions {
         Self {
             log: None,
             settings: Settings::default(),
+            logic: LogicName::configured(),
             duration_s: None,
             rotate: Rotate::Auto,
             noise: true,

@@ -5,6 +5,8 @@
 //! pitch are kept before thrust, and thrust before yaw: a drone that is level can be saved, one
 //! that keeps its heading cannot.
 
+mod even;
+
 use crate::config::{ARMED_MINIMUM, MOTOR_PITCH, MOTOR_ROLL, MOTOR_YAW, MOTORS};
 use crate::units::{Thrust, TorqueDemand};
 
@@ -42,6 +44,12 @@ impl<const N: usize> Mixer<N> {
     #[must_use]
     pub const fn new(roll: [f32; N], pitch: [f32; N], yaw: [f32; N]) -> Self {
         Self { roll, pitch, yaw }
+    }
+
+    /// The shares themselves: of roll, of pitch, of yaw.
+    #[must_use]
+    pub const fn axes(&self) -> [&[f32; N]; 3] {
+        [&self.roll, &self.pitch, &self.yaw]
     }
 
     /// Allocates a demand.

@@ -9,6 +9,7 @@
 
 use super::{Autopilot, ChipOrder, Fault, OrderError, Reason};
 use crate::config::MOTORS;
+use crate::graph::ControlLogic;
 use crate::link::Message;
 use crate::reactive::{Fit, Label, Refit};
 use crate::sensors::{Cause, IMU_BURST_LENGTH, Input, Inputs};
@@ -168,7 +169,11 @@ impl Stamped {
 
 impl Call {
     /// Makes the call on an autopilot; a run's outcome is no call and does nothing.
-    pub fn replay<R: Recorder>(&self, at: Instant, autopilot: &mut Autopilot<R>) {
+    pub fn replay<R: Recorder, L: ControlLogic>(
+        &self,
+        at: Instant,
+        autopilot: &mut Autopilot<R, L>,
+    ) {
         match self {
             Self::Imu(burst) => drop(autopilot.on_imu(at, burst)),
             Self::ChipAccel(counts, cause) => drop(autopilot.on_chip_accel(at, *counts, *cause)),

@@ -60,13 +60,17 @@ impl AttitudeFilter {
         if motion.dt <= 0.0 {
             return *self;
         }
-        // First the correction, in the axes that the sums began with, then the motion.
-        let turn = motion.angle + motion.coning;
-        let turn = turn + correction + correction.cross(turn) * 0.5;
         Self {
-            attitude: in_small_turns(self.attitude, turn),
+            attitude: turned(self.attitude, motion, correction),
         }
     }
+}
+
+/// First the correction, in the axes that the sums began with, then the motion.
+pub(super) fn turned(attitude: Quaternion, motion: &Increment, correction: Vec3) -> Quaternion {
+    let turn = motion.angle + motion.coning;
+    let turn = turn + correction + correction.cross(turn) * 0.5;
+    in_small_turns(attitude, turn)
 }
 
 /// Turns in steps that the small-angle formula is exact for.

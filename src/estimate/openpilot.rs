@@ -12,7 +12,7 @@
 //! and is left out: it is 40 times faster than the correction it would smooth.
 
 use super::Increment;
-use super::attitude::in_small_turns;
+use super::attitude::turned;
 use crate::config::openpilot::{ACCEL_KI, ACCEL_KP, BIAS_LIMIT, MAG_KP, YAW_BIAS_RATE};
 use crate::math::{Quaternion, Vec3, limited};
 use crate::units::BodyRates;
@@ -73,14 +73,16 @@ impl OpenPilotFilter {
         }
         let down = self.attitude.down_in_body();
         let error = motion.down.cross(down);
+        // Slower as it gets there, to second order: a rare step that took the first error for the
+        // whole of it would end beyond frequent ones.
+        let slowing = 1.0 + 0.5 * ACCEL_KP * motion.down.dot(down).abs();
+        let error = error * (1.0 / slowing);
         let towards_heading = MAG_KP * heading_error.unwrap_or(0.0) * motion.dt;
         let correction = error * ACCEL_KP + down * towards_heading;
         let angle = self.body_turn(motion);
-        // First the correction, in the axes that the sums began with, then the motion.
-        let turn = angle + motion.coning;
-        let turn = turn + correction + correction.cross(turn) * 0.5;
+        let unbiased = Increment { angle, ..*motion };
         Self {
-            attitude: in_small_turns(self.attitude, turn),
+            attitude: turned(self.attitude, &unbiased, correction),
             bias: self.bias_after(error, angle),
             correction,
         }
@@ -208,16 +210,14 @@ mod tests {
             let rates = Vec3::new(x, y, z);
             let start = OpenPilotFilter::default().aligned(Vec3::new(tilt, -tilt, -9.8));
             let (mut often, mut rarely) = (start, start);
+            let mut body = Quaternion::IDENTITY;
             for _ in 0..40 {
-                // One direction: as the rare one sees it at its start, and as the frequent one
-                // does in its own axes.
-                let down = Quaternion::IDENTITY.turned_by(rates * 0.1).down_in_body();
+                rarely = rarely.stepped(&turning(rates, body.down_in_body(), 0.05), Some(heading));
                 for _ in 0..50 {
-                    let back = often.attitude().conjugate().then_body(rarely.attitude());
-                    let moved = back.to_earth(down);
-                    often = often.stepped(&turning(rates, moved, 0.001), Some(heading));
+                    let motion = turning(rates, body.down_in_body(), 0.001);
+                    often = often.stepped(&motion, Some(heading));
+                    body = body.turned_by(rates * 0.001);
                 }
-                rarely = rarely.stepped(&turning(rates, down, 0.05), Some(heading));
             }
             let apart = often.attitude().error_to(rarely.attitude()).max_norm();
             prop_assert!(apart < 1e-3, "{}", apart);

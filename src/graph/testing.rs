@@ -1,5 +1,9 @@
 //! What the tests of every page share.
 
+mod body;
+
+pub use body::{Body, HOVER};
+
 use super::ControlLogic;
 use crate::control::Setpoint;
 use crate::estimate::{Increment, Motion, Rotation};

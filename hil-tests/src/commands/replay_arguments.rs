@@ -13,6 +13,7 @@ use reflex::time::Duration;
 use super::quantities::{duration, inputs, number, share, warm_up};
 use super::sweep_arguments::SweepArguments;
 use crate::flights::Rotate;
+use crate::logics::LogicName;
 use crate::refusal::Refusal;
 use crate::replay_options::ReplayOptions;
 use crate::sweep::{Parameter, SweepOptions};
@@ -26,6 +27,9 @@ pub(super) struct ReplayArguments {
     /// When control runs: when a sensor's change calls for it, or time-triggered
     #[arg(long, value_enum)]
     policy: Option<PolicyName>,
+    /// Control logic that flies: the firmware is built with it [default: that of config/selection.toml]
+    #[arg(long, value_enum)]
+    logic: Option<LogicName>,
     /// Runs per second of the periodic policy, 1 to 1000
     #[arg(long, value_name = "HZ", value_parser = number, allow_negative_numbers = true)]
     rate: Option<f64>,

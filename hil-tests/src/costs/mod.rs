@@ -23,6 +23,7 @@ use anyhow::Result;
 pub use table::{Cost, Costs, Memory};
 
 use crate::firmware::Firmware;
+use crate::logics::LogicName;
 use crate::progress::Progress;
 
 /// Instructions of the emulated core in a second, one a cycle.
@@ -37,7 +38,7 @@ const SWAP_LIMIT: u64 = 840;
 pub fn measure(progress: &mut dyn Progress) -> Result<Costs> {
     let program = Firmware::build_parts(progress)?;
     let mut parts = parts::measure(program, progress)?;
-    let firmware = Firmware::build(progress)?;
+    let firmware = Firmware::build(LogicName::configured(), progress)?;
     let flown = flight::measure(&firmware, progress)?;
     parts.extend(flown.parts);
     Ok(Costs {

@@ -29,6 +29,7 @@ use super::wires::{BusTime, I2cBus, Spi, Wire};
 use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
 use crate::chips::{ChipOptions, Mpu6050, StimulusSource};
 use crate::flights::LinkFrame;
+use crate::logics::{AnyLogic, LogicName};
 
 /// The rates that the firmware programs.
 const RATES: Rates = match Rates::from_hz(CHIP_ACCEL_RATE, CHIP_MAG_RATE) {
@@ -66,7 +67,7 @@ pub(super) struct Burst {
 
 /// The board, standing at the instant it was last run to.
 pub(super) struct NativeBoard {
-    pub(super) pilot: Autopilot<Calls>,
+    pub(super) pilot: Autopilot<Calls, AnyLogic>,
     pub(super) agenda: Agenda,
     pub(super) now_ns: u64,
 
@@ -103,7 +104,7 @@ pub(super) struct NativeBoard {
 impl NativeBoard {
     /// Powers the chips and starts up; `frames` come in order of time.
     pub(super) fn boot(
-        settings: Settings,
+        (settings, logic): (Settings, LogicName),
         source: &Arc<dyn StimulusSource>,
         options: ChipOptions,
         frames: Vec<LinkFrame>,
@@ -128,7 +129,7 @@ impl NativeBoard {
             time: BusTime::default(),
         };
         let mut board = Self {
-            pilot: Autopilot::new(settings, Calls::default()),
+            pilot: Autopilot::with_logic(settings, Calls::default(), logic.logic()),
             agenda: Agenda::new(),
             now_ns: 0,
             imu,

@@ -3,6 +3,7 @@
 //! The firmware's board does the same for its own bus; the driver knows nothing of the autopilot.
 
 use reflex::app::{Autopilot, ChipOrder, Next, OrderError, Recorder};
+use reflex::graph::ControlLogic;
 use reflex::sensors::Cause;
 use reflex::time::Instant;
 use reflex_drivers::lsm303agr::halves::{self, Action, Half};
@@ -39,9 +40,9 @@ pub(super) fn failure(error: halves::OrderError) -> OrderError {
 }
 
 /// Hands a sample to the autopilot with its stamp.
-pub(super) fn deliver<R: Recorder>(
+pub(super) fn deliver<R: Recorder, L: ControlLogic>(
     sample: &halves::Sample,
-    autopilot: &mut Autopilot<R>,
+    autopilot: &mut Autopilot<R, L>,
     at: Instant,
 ) -> Next {
     let cause = match sample.cause {

@@ -225,6 +225,7 @@ pub(crate) fn options_in_effect(options: &ReplayOptions, rotate: String) -> Opti
     let settings = &options.settings;
     let seconds = |span: reflex::time::Duration| span.ticks() as f64 / 1e6;
     Options {
+        logic: options.logic.word().into(),
         rate_hz: match settings.policy {
             Policy::Reactive => None,
             Policy::Periodic(period) => Some(1.0 / seconds(period)),

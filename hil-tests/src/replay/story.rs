@@ -11,17 +11,19 @@ use reflex::reactive::{FallbackReason, Phase};
 use reflex::settings::{Policy, Settings};
 use reflex::time::Instant;
 
+use crate::logics::{AnyLogic, LogicName};
 use crate::scoring::{Command, Flight, Held, Rules, Run};
 
 /// What the calls amount to.
 pub(crate) struct Story<'c> {
     pub(crate) calls: &'c [Stamped],
     settings: Settings,
+    logic: LogicName,
     start_us: u64,
     pub(crate) flight: Flight,
     /// Places among the calls of the samples that ended the flight's hyperperiods.
     ends: Vec<usize>,
-    pub(crate) mirror: Autopilot<LastRan>,
+    pub(crate) mirror: Autopilot<LastRan, AnyLogic>,
     /// Runs with motors that may turn.
     pub(crate) runs_in_the_air: u64,
     /// Times that reactive control was left for a fallback.
@@ -66,14 +68,19 @@ struct Open {
 
 impl<'c> Story<'c> {
     /// Makes the calls again; hyperperiods count from `start_us` of the firmware's clock.
-    pub(crate) fn tell(calls: &'c [Stamped], settings: Settings, start_us: u64) -> Result<Self> {
+    pub(crate) fn tell(
+        calls: &'c [Stamped],
+        (settings, logic): (Settings, LogicName),
+        start_us: u64,
+    ) -> Result<Self> {
         let mut story = Self {
             calls,
             settings,
+            logic,
             start_us,
             flight: Flight::new(start_us, held_at(calls, start_us)),
             ends: Vec::new(),
-            mirror: Autopilot::new(settings, LastRan::default()),
+            mirror: Autopilot::with_logic(settings, LastRan::default(), logic.logic()),
             runs_in_the_air: 0,
             fallbacks: 0,
             fallbacks_by_reason: FallbackReason::ALL.map(|reason| (reason, 0)),
@@ -87,7 +94,7 @@ impl<'c> Story<'c> {
     }
 
     fn walk(&mut self) -> Result<()> {
-        let mut reference = Native::new(self.settings);
+        let mut reference = Native::new(self.settings, self.logic);
         let mut open: Option<Open> = None;
         let mut by_timer = false;
         let mut phase = Phase::Ground;
@@ -199,7 +206,7 @@ impl<'c> Story<'c> {
     /// Through the warm-up it runs at every gating sample, as the policy it is compared with
     /// did: both enter the scored part with the same control state.
     pub(crate) fn fly_periodic(&self, rate_hz: f64) -> Vec<Held> {
-        let mut native = Native::new(self.settings);
+        let mut native = Native::new(self.settings, self.logic);
         let warm_up_end = self.flight.warm_up_end_us().unwrap_or(u64::MAX);
         let period_us = (1e6 / rate_hz).min(self.settings.failsafe.ticks() as f64);
         let mut due_us = warm_up_end as f64 + period_us;
@@ -225,18 +232,18 @@ impl<'c> Story<'c> {
 
 /// An autopilot on the host that is given the flight's inputs and run when it is told.
 struct Native {
-    autopilot: Autopilot<()>,
+    autopilot: Autopilot<(), AnyLogic>,
     command: Command,
 }
 
 impl Native {
-    fn new(settings: Settings) -> Self {
+    fn new(settings: Settings, logic: LogicName) -> Self {
         let settings = Settings {
             policy: Policy::Periodic(HYPERPERIOD),
             ..settings
         };
         Self {
-            autopilot: Autopilot::new(settings, ()),
+            autopilot: Autopilot::with_logic(settings, (), logic.logic()),
             command: [0.0; MOTORS],
         }
     }

@@ -67,6 +67,8 @@ pub enum Tier {
 /// Options in effect, in the spelling of the command line.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Options {
+    /// Name of the control logic.
+    pub logic: String,
     /// Rate of the periodic policy in hertz; null under the reactive one.
     pub rate_hz: Option<f64>,
     /// `previous-sample` or `last-run`.

@@ -1,0 +1,100 @@
+//! Runs every control logic in every way over the same steps, between marks.
+//!
+//! Whoever watches the function `mark` sees it called before and after each step of each way, in
+//! the order of [`reflex_bench::WAYS`] and of [`reflex_bench::LOGICS`]. The steps stand in
+//! flash: whoever starts the program writes them over those of the file. A way that comes to
+//! another command than the first stops the program.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+/// Only the emulated core counts instructions.
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("This program is for the emulated core: see `cargo hil bench`.");
+}
+
+#[cfg(target_os = "none")]
+mod program {
+    use core::hint::black_box;
+
+    use defmt_rtt as _;
+    use panic_probe as _;
+    use reflex::graph;
+    use reflex_bench::step::{STEP_WORDS, Step};
+    use reflex_bench::ways::{self, Way};
+    use reflex_bench::{STEPS, STEPS_SYMBOL};
+    use stm32f4xx_hal as _;
+
+    /// How many steps there are, then their words.
+    #[unsafe(export_name = "REFLEX_BENCH_STEPS")]
+    static GIVEN: [u32; 1 + STEPS * STEP_WORDS] = [0; 1 + STEPS * STEP_WORDS];
+    const _: &str = STEPS_SYMBOL;
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        let mut core = cortex_m::Peripherals::take().expect("taken once");
+        core.DCB.enable_trace();
+        core.DWT.enable_cycle_counter();
+        measured(|| ());
+        compare(
+            &mut ways::cascade::straight_line::Cascade::new(),
+            &mut graph::Cascade::new(),
+            &mut ways::cascade::callbacks::Cascade::new(),
+            &mut ways::cascade::pointer_vector::Cascade::new(),
+        );
+        done();
+        loop {
+            cortex_m::asm::wfi();
+        }
+    }
+
+    fn compare(
+        straight_line: &mut impl Way,
+        reactive: &mut impl Way,
+        callbacks: &mut impl Way,
+        pointer_vector: &mut impl Way,
+    ) {
+        let (count, words) = black_box(&GIVEN).split_first().expect("a count at least");
+        for words in words
+            .as_chunks::<STEP_WORDS>()
+            .0
+            .iter()
+            .take(*count as usize)
+        {
+            let step = black_box(Step::from_words(words));
+            let expected = run(straight_line, &step);
+            for commands in [
+                run(reactive, &step),
+                run(callbacks, &step),
+                run(pointer_vector, &step),
+            ] {
+                assert!(commands.map(f32::to_bits) == expected.map(f32::to_bits));
+            }
+        }
+    }
+
+    /// One step of one way, a call of its own: nothing is computed ahead, or together.
+    #[inline(never)]
+    fn run<W: Way>(way: &mut W, step: &Step) -> reflex::airframe::MotorShares {
+        measured(|| black_box(way).take(black_box(step)))
+    }
+
+    #[inline(always)]
+    fn measured<T>(call: impl FnOnce() -> T) -> T {
+        mark();
+        let result = black_box(call());
+        mark();
+        result
+    }
+
+    /// The instant that is watched.
+    #[inline(never)]
+    fn mark() {
+        black_box(());
+    }
+
+    /// Nothing is measured any more.
+    #[inline(never)]
+    fn done() {
+        black_box(());
+    }
+}

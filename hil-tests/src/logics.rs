@@ -1,0 +1,129 @@
+//! Any control logic, chosen while the program runs: the firmware has one built in.
+
+use clap::ValueEnum;
+use reflex::airframe::Mixed;
+use reflex::control::{Goal, Setpoint};
+use reflex::dataflow::{Description, Dirty};
+use reflex::estimate::{Motion, Place};
+use reflex::graph::{Cascade, ControlLogic};
+use reflex::math::{Quaternion, Vec3};
+
+/// The name of a control logic, as in `config/logics/`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LogicName {
+    /// Reflex's own.
+    Cascade,
+}
+
+/// A control logic of some name.
+#[derive(Clone, Debug)]
+pub enum AnyLogic {
+    /// Reflex's own.
+    Cascade(Cascade),
+}
+
+impl LogicName {
+    /// The one that is built into the firmware unless another is asked for.
+    #[must_use]
+    pub fn configured() -> Self {
+        Self::from_str(reflex::config::LOGIC, false).unwrap_or(Self::Cascade)
+    }
+
+    /// As in `config/selection.toml`.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        self.logic().name()
+    }
+
+    /// A logic of this name, not yet flown.
+    #[must_use]
+    pub fn logic(self) -> AnyLogic {
+        match self {
+            Self::Cascade => AnyLogic::Cascade(Cascade::default()),
+        }
+    }
+}
+
+/// The same call of whichever logic it is.
+macro_rules! whichever {
+    ($any:ident, $logic:ident => $call:expr) => {
+        match $any {
+            AnyLogic::Cascade($logic) => $call,
+        }
+    };
+}
+
+impl ControlLogic for AnyLogic {
+    fn name(&self) -> &'static str {
+        whichever!(self, logic => logic.name())
+    }
+
+    fn description(&self) -> Description {
+        whichever!(self, logic => logic.description())
+    }
+
+    fn derivative_cutoff(&self) -> f32 {
+        whichever!(self, logic => logic.derivative_cutoff())
+    }
+
+    fn align(&mut self, force: Vec3) {
+        whichever!(self, logic => logic.align(force));
+    }
+
+    fn reset_integrals(&mut self) {
+        whichever!(self, logic => logic.reset_integrals());
+    }
+
+    fn take(&mut self, motion: &Motion, heading: Option<f32>) {
+        whichever!(self, logic => logic.take(motion, heading));
+    }
+
+    fn fly(&mut self, setpoint: Setpoint) {
+        whichever!(self, logic => logic.fly(setpoint));
+    }
+
+    fn fly_to(&mut self, goal: Option<Goal>) {
+        whichever!(self, logic => logic.fly_to(goal));
+    }
+
+    fn see(&mut self, place: Place) {
+        whichever!(self, logic => logic.see(place));
+    }
+
+    fn go_blind(&mut self, blind: bool) {
+        whichever!(self, logic => logic.go_blind(blind));
+    }
+
+    fn run(&mut self) -> Dirty {
+        whichever!(self, logic => logic.run())
+    }
+
+    fn foresee(&self) -> Mixed {
+        whichever!(self, logic => logic.foresee())
+    }
+
+    fn flown(&self) -> &Setpoint {
+        whichever!(self, logic => logic.flown())
+    }
+
+    fn estimate(&self) -> Quaternion {
+        whichever!(self, logic => logic.estimate())
+    }
+
+    fn mixed(&self) -> &Mixed {
+        whichever!(self, logic => logic.mixed())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_logic_goes_by_the_name_that_chooses_it() {
+        for name in LogicName::value_variants() {
+            let chosen = LogicName::from_str(name.word(), false);
+            assert_eq!(chosen.as_ref(), Ok(name));
+        }
+    }
+}

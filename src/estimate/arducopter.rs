@@ -1,0 +1,191 @@
+//! ArduCopter's estimate: a gyroscope whose drift gravity and compass correct.
+//!
+//! In the spirit of AP_AHRS_DCM: the accelerometer corrects the tilt and the magnetometer the
+//! heading, in proportion at once and by an integral that stands for the gyroscope's drift.
+//! Where the original averages force over 0.2 s to see through vibration, the arrival stage has
+//! summed its direction over every sample. A quaternion stands for the matrix.
+
+use super::Increment;
+use super::attitude::in_small_turns;
+use crate::config::arducopter::{
+    DRIFT_LIMIT, ESTIMATE_HEADING_I as HEADING_I, ESTIMATE_HEADING_P as HEADING_P,
+    ESTIMATE_TILT_I as TILT_I, ESTIMATE_TILT_P as TILT_P,
+};
+use crate::math::{Quaternion, Vec3, between};
+
+/// Below this rate (rad/s, 20 deg/s) drift is learned.
+///
+/// Faster, an error of the gyroscope's scale would pass for it.
+const DRIFT_SPIN: f32 = 0.349;
+/// From this rate (rad/s, 50 deg/s) on corrections grow with it, up to ten times.
+///
+/// Turning integrates the errors of scale and alignment.
+const SLOW_SPIN: f32 = 0.873;
+/// The most drift that is believed, in rad/s: more was taken out at rest.
+const MOST_DRIFT: Vec3 = Vec3::new(0.1, 0.1, 0.1);
+
+/// Attitude, body to Earth, and what the gyroscope lacks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DriftFilter {
+    attitude: Quaternion,
+    /// To be added to the rates, in rad/s.
+    drift: Vec3,
+}
+
+impl DriftFilter {
+    /// Starts from a mean specific force at rest (m/s2, body axes), heading zero.
+    ///
+    /// A force too small to show the vertical leaves the estimate as it is.
+    #[must_use]
+    pub fn aligned(&self, force: Vec3) -> Self {
+        Self {
+            attitude: Quaternion::from_up(force).unwrap_or(self.attitude),
+            ..*self
+        }
+    }
+
+    /// The estimate.
+    #[must_use]
+    pub fn attitude(&self) -> Quaternion {
+        self.attitude
+    }
+
+    /// The filter after the motion since the last run; without time it is as it was.
+    ///
+    /// `heading_error` is by how much (rad, clockwise) the heading falls short of a measured
+    /// one, where there is one.
+    #[must_use]
+    pub fn after(&self, motion: &Increment, heading_error: Option<f32>) -> Self {
+        if motion.dt <= 0.0 {
+            return *self;
+        }
+        let down = self.attitude.down_in_body();
+        let heading = down * (heading_error.unwrap_or(0.0) * motion.dt);
+        let spin = motion.angle.norm() / motion.dt;
+        let pull = between(spin * (1.0 / SLOW_SPIN), 1.0, 10.0);
+        // The error shrinks as it is corrected, by half of that in the mean. Down may also be
+        // seen the wrong way round, which must not turn this into a division by zero.
+        let slowing = 1.0 + 0.5 * TILT_P * pull * motion.down.dot(down).abs();
+        let tilt = motion.down.cross(down) * (1.0 / slowing);
+        let correction = (tilt * TILT_P + heading * HEADING_P) * pull;
+        let drift = if spin < DRIFT_SPIN {
+            let most = DRIFT_LIMIT * motion.dt;
+            let learned = tilt * TILT_I + heading * HEADING_I;
+            (self.drift + learned.limited(Vec3::new(most, most, most))).limited(MOST_DRIFT)
+        } else {
+            self.drift
+        };
+        // First the correction, in the axes that the sums began with, then the motion.
+        let turn = motion.angle + motion.coning + self.drift * motion.dt;
+        let turn = turn + correction + correction.cross(turn) * 0.5;
+        Self {
+            attitude: in_small_turns(self.attitude, turn),
+            drift,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::wrapped;
+    use proptest::prelude::*;
+
+    fn still(dt: f32) -> Increment {
+        Increment {
+            down: Vec3::new(0.0, 0.0, 1.0) * dt,
+            dt,
+            ..Increment::default()
+        }
+    }
+
+    #[test]
+    fn a_tilted_estimate_levels_while_gravity_is_seen() {
+        let mut filter = DriftFilter::default().aligned(Vec3::new(2.0, -1.0, -9.0));
+        for _ in 0..1000 {
+            filter = filter.after(&still(0.05), None);
+        }
+        let down = filter.attitude().down_in_body();
+        assert!(
+            (down - Vec3::new(0.0, 0.0, 1.0)).max_norm() < 0.01,
+            "{down:?}"
+        );
+    }
+
+    #[test]
+    fn a_measured_heading_is_followed_the_shorter_way() {
+        let mut filter = DriftFilter::default();
+        for _ in 0..4000 {
+            let error = wrapped(-3.0 - filter.attitude().heading());
+            filter = filter.after(&still(0.05), Some(error));
+        }
+        assert!((filter.attitude().heading() + 3.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn a_biased_gyroscope_is_found_out_within_minutes() {
+        let (bias, dt) = (0.01, 0.05);
+        let mut filter = DriftFilter::default();
+        let motion = Increment {
+            angle: Vec3::new(bias * dt, 0.0, 0.0),
+            ..still(dt)
+        };
+        for _ in 0..(400.0 / dt) as u32 {
+            filter = filter.after(&motion, None);
+        }
+        assert!((filter.drift.x + bias).abs() < 0.002, "{filter:?}");
+        assert!(filter.attitude().down_in_body().y.abs() < 0.02);
+    }
+
+    #[test]
+    fn without_time_nothing_advances() {
+        let filter = DriftFilter::default().aligned(Vec3::new(2.0, -1.0, -9.0));
+        assert_eq!(filter.after(&Increment::default(), Some(1.0)), filter);
+    }
+
+    proptest! {
+        #[test]
+        fn a_rare_step_levels_as_far_as_frequent_ones(x in -4.0f32..4.0, y in -4.0f32..4.0) {
+            let begun = DriftFilter::default().aligned(Vec3::new(x, y, -9.0));
+            let often = (0..100).fold(begun, |filter, _| filter.after(&still(0.001), None));
+            let rarely = begun.after(&still(0.1), None);
+            let apart = often.attitude().error_to(rarely.attitude()).max_norm();
+            prop_assert!(apart < 2e-5, "{apart}");
+            prop_assert!((often.drift - rarely.drift).max_norm() < 1e-5);
+        }
+
+        #[test]
+        fn rare_steps_come_to_the_same_as_frequent_ones(
+            x in -1.0f32..1.0, y in -1.0f32..1.0, z in -1.0f32..1.0, heading in -0.5f32..0.5
+        ) {
+            let rate = Vec3::new(x, y, z);
+            let mut often = DriftFilter::default();
+            let mut rarely = often;
+            let turning = |dt: f32| Increment { angle: rate * dt, dt, ..Increment::default() };
+            for _ in 0..20 {
+                for _ in 0..50 {
+                    often = often.after(&turning(0.001), Some(heading));
+                }
+                rarely = rarely.after(&turning(0.05), Some(heading));
+            }
+            prop_assert!(often.attitude().error_to(rarely.attitude()).max_norm() < 5e-3);
+            prop_assert!((often.drift - rarely.drift).max_norm() < 1e-5);
+        }
+
+        #[test]
+        fn attitude_and_drift_stay_finite_on_any_motion(
+            steps in prop::collection::vec(
+                (prop::array::uniform3(-40.0f32..40.0), -4.0f32..4.0, 0.0f32..0.2), 1..50)
+        ) {
+            let mut filter = DriftFilter::default();
+            for ([x, y, z], heading, dt) in steps {
+                let rate = Vec3::new(x, y, z);
+                let motion = Increment { angle: rate * dt, down: rate * (dt / 70.0), dt, ..Increment::default() };
+                filter = filter.after(&motion, Some(heading));
+                let [w, i, j, k] = filter.attitude().to_array();
+                prop_assert!((w * w + i * i + j * j + k * k - 1.0).abs() < 1e-3);
+                prop_assert!(filter.drift.max_norm() <= MOST_DRIFT.x);
+            }
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! The attitude as Cleanflight estimates it: Mahony's filter, fast at the start.
+//!
+//! After `imuMahonyAHRSupdate` of Cleanflight 1.13 (`src/main/flight/imu.c`), on the sums of the
+//! arrival stage instead of at every loop. What differs, and why:
+//!
+//! - A correction of gain `k` over a time `t` closes the share `1 - exp(-k t)` of an error, here
+//!   `k t / (1 + k t / 2)`, which is that within `(k t)^3 / 12`: a run after 0.1 s corrects what a
+//!   hundred loops do.
+//! - The accelerometer is used or not for a whole run: by the mean trust that the arrival stage
+//!   gave each sample, which 0.9 and 1.1 g earn just enough of.
+//! - The magnetometer comes as an error of the heading. In the original the horizontal share of
+//!   the field enters twice, as the sine of the error between two vectors of that length.
+//! - "Not armed" is read as "no thrust is asked for".
+
+use super::Increment;
+use super::attitude::turned;
+use crate::config::cleanflight::{
+    ESTIMATE_ACCEL_BAND, ESTIMATE_DCM_KI, ESTIMATE_DCM_KP, ESTIMATE_FAST, ESTIMATE_FAST_FACTOR,
+    ESTIMATE_HORIZONTAL_FIELD, ESTIMATE_SPIN_LIMIT,
+};
+use crate::math::{Quaternion, Vec3, limited, sin_cos, wrapped};
+
+/// The largest bias that is learned, in rad/s: a healthy MPU6050 has less at rest.
+const LARGEST_BIAS: f32 = 0.5;
+
+/// The trust of the arrival stage in a force that is off 1 g by just the band.
+const LEAST_TRUST: f32 = 1.0 - 2.0 * ESTIMATE_ACCEL_BAND;
+
+/// What tells the estimate's errors, beside the motion itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Evidence {
+    /// By how much (rad, clockwise) the heading falls short of a measured one.
+    pub heading_error: Option<f32>,
+    /// No thrust is asked for: the drone stands, and gravity shows without doubt.
+    pub standing: bool,
+}
+
+/// Attitude estimate, body to Earth, and the gyroscope's bias.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MahonyFilter {
+    attitude: Quaternion,
+    /// Taken off the rates, so of the opposite sign as the bias; rad/s.
+    feedback: Vec3,
+    /// The turn (rad) that the last step put right, in the axes that it began with.
+    correction: Vec3,
+    /// Time since the start in s, counted as long as it matters.
+    age: f32,
+}
+
+impl MahonyFilter {
+    /// Starts from a mean specific force at rest (m/s2, body axes), heading zero.
+    ///
+    /// A force too small to show the vertical leaves the estimate as it is.
+    #[must_use]
+    pub fn aligned(&self, force: Vec3) -> Self {
+        Self {
+            attitude: Quaternion::from_up(force).unwrap_or(self.attitude),
+            ..*self
+        }
+    }
+
+    /// The estimate.
+    #[must_use]
+    pub fn attitude(&self) -> Quaternion {
+        self.attitude
+    }
+
+    /// The turn (rad, body axes) that corrected the last step, beside the motion.
+    #[must_use]
+    pub fn correction(&self) -> Vec3 {
+        self.correction
+    }
+
+    /// The estimate after the motion since the last run; `dt` of zero advances nothing.
+    #[must_use]
+    pub fn after(&self, motion: &Increment, evidence: Evidence) -> Self {
+        let dt = motion.dt;
+        if dt <= 0.0 {
+            return *self;
+        }
+        let [tilt, heading] = self.errors(motion, evidence.heading_error);
+        let feedback = self.learned(tilt + heading, motion);
+        let fast = evidence.standing && self.age < ESTIMATE_FAST;
+        let gain = ESTIMATE_DCM_KP * if fast { ESTIMATE_FAST_FACTOR } else { 1.0 };
+        // The tilt's error shrinks as it is corrected, a measured error of the heading stands.
+        let shrunk = 1.0 / (1.0 + 0.5 * gain * dt);
+        let correction = (tilt * shrunk + heading) * (gain * dt) + feedback * dt;
+        let attitude = turned(self.attitude, motion, correction);
+        Self {
+            // Past a turn that the polynomials can take, the old attitude is the better guess.
+            attitude: Quaternion::from_array(attitude.to_array()).unwrap_or(self.attitude),
+            feedback,
+            correction,
+            age: (self.age + dt).min(ESTIMATE_FAST),
+        }
+    }
+
+    /// The turns, as sines in body axes, that gravity and the magnetometer ask for.
+    fn errors(&self, motion: &Increment, heading_error: Option<f32>) -> [Vec3; 2] {
+        const SHARE: f32 = ESTIMATE_HORIZONTAL_FIELD * ESTIMATE_HORIZONTAL_FIELD;
+        let down = self.attitude.down_in_body();
+        let off = sin_cos(wrapped(heading_error.unwrap_or(0.0))).0;
+        let towards_heading = down * (SHARE * limited(off, 1.0));
+        let trusted = motion.down.norm();
+        let towards_gravity = if trusted > LEAST_TRUST * motion.dt {
+            motion.down.cross(down) * (1.0 / trusted)
+        } else {
+            Vec3::ZERO
+        };
+        [towards_gravity, towards_heading]
+    }
+
+    /// The integral feedback after this motion.
+    fn learned(&self, error: Vec3, motion: &Increment) -> Vec3 {
+        let spinning = motion.angle.norm() >= ESTIMATE_SPIN_LIMIT * motion.dt;
+        if ESTIMATE_DCM_KI <= 0.0 || spinning {
+            return self.feedback;
+        }
+        let most = Vec3::new(LARGEST_BIAS, LARGEST_BIAS, LARGEST_BIAS);
+        (self.feedback + error * (ESTIMATE_DCM_KI * motion.dt)).limited(most)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const FLYING: Evidence = Evidence {
+        heading_error: None,
+        standing: false,
+    };
+
+    /// At rest and level, as the arrival stage sums it with this trust.
+    fn still(trust: f32, dt: f32) -> Increment {
+        Increment {
+            down: Vec3::new(0.0, 0.0, trust) * dt,
+            dt,
+            ..Increment::default()
+        }
+    }
+
+    fn tilted() -> MahonyFilter {
+        MahonyFilter::default().aligned(Vec3::new(2.0, -1.0, -9.0))
+    }
+
+    /// How far from level the estimate is.
+    fn tilt(filter: &MahonyFilter) -> f32 {
+        let down = filter.attitude().down_in_body();
+        Vec3::new(down.x, down.y, 0.0).norm()
+    }
+
+    fn run(mut filter: MahonyFilter, runs: u32, motion: Increment, see: Evidence) -> MahonyFilter {
+        for _ in 0..runs {
+            filter = filter.after(&motion, see);
+        }
+        filter
+    }
+
+    #[test]
+    fn a_tilted_estimate_levels_at_the_published_gain() {
+        let start = tilted();
+        let after = run(start, 4_000, still(1.0, 0.001), FLYING);
+        let expected = libm::expf(-4.0 * ESTIMATE_DCM_KP);
+        assert!((tilt(&after) / tilt(&start) - expected).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_force_outside_the_band_shows_no_vertical() {
+        let after = run(tilted(), 1000, still(LEAST_TRUST * 0.99, 0.001), FLYING);
+        assert!((tilt(&after) - tilt(&tilted())).abs() < 1e-4);
+    }
+
+    #[test]
+    fn just_started_and_without_thrust_it_levels_faster_but_not_for_ever() {
+        let standing = Evidence {
+            standing: true,
+            ..FLYING
+        };
+        let fast = run(tilted(), 500, still(1.0, 0.001), standing);
+        let slow = run(tilted(), 500, still(1.0, 0.001), FLYING);
+        assert!(tilt(&fast) < 0.5 * tilt(&slow));
+        let mut old = run(tilted(), 2001, still(0.0, 0.01), standing);
+        old.attitude = tilted().attitude;
+        let late = run(old, 500, still(1.0, 0.001), standing);
+        assert!((tilt(&late) - tilt(&slow)).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_measured_heading_is_followed_the_shorter_way() {
+        let mut filter = MahonyFilter::default();
+        for _ in 0..20_000 {
+            let error = wrapped(-2.5 - filter.attitude().heading());
+            let see = Evidence {
+                heading_error: Some(error),
+                standing: false,
+            };
+            filter = filter.after(&still(1.0, 0.01), see);
+        }
+        assert!((filter.attitude().heading() + 2.5).abs() < 1e-2);
+        assert!(tilt(&filter) < 1e-3);
+    }
+
+    #[test]
+    fn without_time_nothing_advances() {
+        let see = Evidence {
+            heading_error: Some(1.0),
+            standing: true,
+        };
+        assert_eq!(tilted().after(&Increment::default(), see), tilted());
+    }
+
+    proptest! {
+        #[test]
+        fn rare_steps_come_to_the_same_attitude_as_frequent_ones(
+            x in -3.0f32..3.0, y in -3.0f32..3.0, z in -3.0f32..3.0
+        ) {
+            let angle = |dt| Vec3::new(x, y, z) * dt;
+            let turning = |dt| Increment { angle: angle(dt), dt, ..Increment::default() };
+            let often = run(tilted(), 300, turning(0.001), FLYING);
+            let rarely = run(tilted(), 6, turning(0.05), FLYING);
+            prop_assert!(often.attitude.error_to(rarely.attitude).max_norm() < 1e-3);
+        }
+
+        #[test]
+        fn rare_steps_correct_as_much_as_frequent_ones(
+            heading in -1.5f32..1.5, standing in any::<bool>()
+        ) {
+            let see = Evidence { heading_error: Some(heading), standing };
+            let often = run(tilted(), 300, still(1.0, 0.001), see);
+            let rarely = run(tilted(), 6, still(1.0, 0.05), see);
+            prop_assert!(often.attitude.error_to(rarely.attitude).max_norm() < 1e-3);
+        }
+
+        #[test]
+        fn the_attitude_stays_a_rotation_whatever_comes(
+            motions in prop::collection::vec(
+                (any::<f32>(), any::<f32>(), any::<f32>(), 0.0f32..1.0), 1..50)
+        ) {
+            let mut filter = MahonyFilter::default();
+            for (angle, down, heading, dt) in motions {
+                let motion = Increment {
+                    angle: Vec3::new(angle, 0.5 * angle, -angle),
+                    down: Vec3::new(down, 0.0, dt),
+                    dt,
+                    ..Increment::default()
+                };
+                let see = Evidence { heading_error: Some(heading), standing: true };
+                filter = filter.after(&motion, see);
+                let length: f32 = filter.attitude.to_array().iter().map(|part| part * part).sum();
+                prop_assert!((length - 1.0).abs() < 1e-3, "{filter:?}");
+                prop_assert!(filter.feedback.max_norm() <= LARGEST_BIAS);
+            }
+        }
+    }
+}
