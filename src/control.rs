@@ -8,6 +8,7 @@ pub mod arducopter;
 mod attitude_law;
 pub mod cleanflight;
 mod goal;
+pub mod openpilot;
 mod rate_law;
 mod setpoint;
 

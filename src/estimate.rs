@@ -5,10 +5,12 @@ mod arrival;
 mod attitude;
 mod calibration;
 mod mahony;
+mod openpilot;
 mod place;
 
 pub use arrival::{Arrival, Increment, Motion, Rotation};
 pub use attitude::AttitudeFilter;
 pub use calibration::{AtRest, GyroCalibration};
 pub use mahony::{Evidence, MahonyFilter};
+pub use openpilot::{OpenPilotFilter, Turned};
 pub use place::Place;

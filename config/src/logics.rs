@@ -6,6 +6,7 @@
 mod arducopter;
 mod cascade;
 mod cleanflight;
+mod openpilot;
 
 use crate::logic::{Gain, Range, Shape};
 
@@ -14,6 +15,7 @@ pub(crate) const LOGICS: &[(&str, &[Gain])] = &[
     ("arducopter", arducopter::GAINS),
     ("cascade", cascade::GAINS),
     ("cleanflight", cleanflight::GAINS),
+    ("openpilot", openpilot::GAINS),
 ];
 
 /// A gain of one number.

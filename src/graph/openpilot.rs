@@ -1,0 +1,183 @@
+//! OpenPilot: complementary filter, attitude PI, rate PID, path follower.
+//!
+//! ```text
+//! motion ----+--> filter --> attitude ----------+
+//! heading ---+      |                           |
+//! goal ------+--> path --> target --------------+--> wanted --+
+//! place -----+               ^                  |             |
+//! setpoint ------------------+                  |             |
+//! motion (clock) --> integrals -----------------+-------------+--> torque --+
+//! rotation ---------------------------------------------------+             +--> command
+//! target's thrust ----------------------------------------------------------+
+//! ```
+//! After OpenPilot 15.02 and its successor LibrePilot 16.09, firmware of CopterControl and
+//! Revolution, in structure and default gains: Attitude (`attitude.c`, `filtercf.c`),
+//! Stabilization (`outerloop.c`, `innerloop.c`, settings bank 1), AltitudeHold and
+//! VtolPathFollower; written anew, for runs at any spacing. Gains are in
+//! `config/logics/openpilot.toml`; `control/openpilot.rs` and `estimate/openpilot.rs` say how
+//! they were converted. The attitude follows the MPU6050's accelerometer, as `motion` sums it.
+//! Left out: modes for sticks only (axis lock, weak levelling, virtual bar, rattitude), cruise
+//! control, landing, and scaling of gains by thrust.
+
+use super::{ControlLogic, place_inputs, standard_inputs};
+use crate::airframe::{MIXER, Mixed};
+use crate::config::openpilot::RATE_D_CUTOFF;
+use crate::config::{CHIP_MAG, GYRO};
+use crate::control::openpilot::{
+    AttitudeError, ErrorStretch, Integrals, PathFollower, PathState, Stabilization,
+    StabilizedStretch,
+};
+use crate::control::{Goal, RateInput, Setpoint};
+use crate::dataflow::graph;
+use crate::estimate::{Increment, OpenPilotFilter, Place, Rotation};
+use crate::math::{Quaternion, Vec3};
+use crate::units::{BodyRates, TorqueDemand};
+
+graph! {
+    /// Attitude PI and rate PID with path follower, on a filter that learns the gyro's bias.
+    pub struct OpenPilot;
+
+    /// Sums of the arrival stage since the last run.
+    input motion: Increment, every GYRO.period, gates if GYRO.gates, triggers;
+    /// Filtered rates and angular acceleration.
+    input rotation: Rotation, every GYRO.period, gates if GYRO.gates, triggers;
+    /// By how much (rad) the heading falls short of a measured one, where there is one.
+    input heading: Option<f32>, every CHIP_MAG.period, triggers;
+    /// What to fly without a goal.
+    input setpoint: Setpoint, at 50 Hz, joins;
+    /// Where to fly.
+    input goal: Option<Goal>, at 50 Hz, joins;
+    /// Where the drone is.
+    input place: Place, at 50 Hz, joins;
+    /// No motion is seen: then thrust is all that is commanded.
+    input blind: bool, at 10 Hz, joins;
+
+    /// The estimate of attitude and gyroscope bias.
+    state filter: OpenPilotFilter = advanced(&filter, &motion, heading), clocked by motion;
+    /// Attitude, body to Earth.
+    node attitude: Quaternion = attitude_of(&filter);
+    /// Integral terms of position and altitude loops.
+    state path: PathState = followed(&path, &place, &goal, &last target), clocked by place;
+    /// The setpoint in force: the goal's, where there is one, else the one from outside.
+    node target: Setpoint = target_of(&setpoint, &goal, &place, &path);
+    /// Integral terms of attitude and rate loops.
+    state integrals: Integrals = integrated(
+        &integrals, &motion, &last filter, &filter, &last target, &rotation
+    ), clocked by motion;
+    /// What the attitude loop asks for.
+    node wanted: BodyRates = attitude_loop(attitude, &integrals, &target);
+    /// What the rate loop asks for.
+    node torque: TorqueDemand = rate_loop(&integrals, wanted, &rotation, &filter, blind);
+    /// The motor vector.
+    output command: Mixed = mixed(torque, &target);
+}
+
+const LAW: Stabilization = Stabilization::CONFIGURED;
+
+/// The estimate after this motion.
+pub fn advanced(
+    filter: &OpenPilotFilter,
+    motion: &Increment,
+    heading: Option<f32>,
+) -> OpenPilotFilter {
+    filter.stepped(motion, heading)
+}
+
+/// The attitude that the filter estimates.
+pub fn attitude_of(filter: &OpenPilotFilter) -> Quaternion {
+    filter.attitude()
+}
+
+/// The path follower after a new place.
+pub fn followed(
+    path: &PathState,
+    place: &Place,
+    goal: &Option<Goal>,
+    target: &Setpoint,
+) -> PathState {
+    PathFollower.after(path, place, goal.as_ref(), target.thrust)
+}
+
+/// The goal's setpoint, else the one from outside.
+pub fn target_of(
+    setpoint: &Setpoint,
+    goal: &Option<Goal>,
+    place: &Place,
+    path: &PathState,
+) -> Setpoint {
+    goal.and_then(|goal| PathFollower.setpoint(path, place, &goal))
+        .unwrap_or(*setpoint)
+}
+
+/// The integrals after this motion, which was flown with the setpoint before.
+pub fn integrated(
+    integrals: &Integrals,
+    motion: &Increment,
+    before: &OpenPilotFilter,
+    after: &OpenPilotFilter,
+    target: &Setpoint,
+    rotation: &Rotation,
+) -> Integrals {
+    let [start, end] = [before, after].map(|filter| AttitudeError::of(filter.attitude(), target));
+    let turned = after.turned(before, motion);
+    let stretch = StabilizedStretch {
+        error: ErrorStretch::of_turn(
+            [start.angle, end.angle],
+            [turned.estimate, turned.swept],
+            start.axes,
+            motion.dt,
+        ),
+        axes: start.axes,
+        turned: turned.body,
+        measured: after.unbiased(rotation.rates),
+    };
+    LAW.after(integrals, target, &stretch)
+}
+
+/// Desired rates of an attitude.
+pub fn attitude_loop(attitude: Quaternion, integrals: &Integrals, target: &Setpoint) -> BodyRates {
+    LAW.wanted(&AttitudeError::of(attitude, target), integrals, target)
+}
+
+/// Torque demands; none where no motion is seen.
+///
+/// The last demand, held for ever, would turn the drone over.
+pub fn rate_loop(
+    integrals: &Integrals,
+    wanted: BodyRates,
+    rotation: &Rotation,
+    filter: &OpenPilotFilter,
+    blind: bool,
+) -> TorqueDemand {
+    if blind {
+        return TorqueDemand::default();
+    }
+    let input = RateInput {
+        wanted,
+        measured: filter.unbiased(rotation.rates),
+        acceleration: rotation.acceleration,
+    };
+    LAW.demand(integrals, &input)
+}
+
+/// The motor vector of a demand.
+pub fn mixed(torque: TorqueDemand, target: &Setpoint) -> Mixed {
+    MIXER.mix(torque, target.thrust)
+}
+
+impl ControlLogic for OpenPilot {
+    standard_inputs!("openpilot", RATE_D_CUTOFF);
+    place_inputs!();
+
+    fn align(&mut self, force: Vec3) {
+        self.set_filter(self.filter().aligned(force));
+    }
+
+    fn reset_integrals(&mut self) {
+        self.set_integrals(Integrals::default());
+        self.set_path(PathState::default());
+    }
+}
+
+#[cfg(test)]
+mod tests;
