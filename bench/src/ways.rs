@@ -130,3 +130,20 @@ ways! {
         setpoint: set_setpoint, goal: set_goal, place: set_place, blind: set_blind
     }
 }
+
+ways! {
+    /// After OpenPilot.
+    openpilot::OpenPilot from declaration_of_openpilot;
+    uses {
+        use reflex::airframe::Mixed;
+        use reflex::control::openpilot::*;
+        use reflex::control::{Goal, Setpoint};
+        use reflex::estimate::{Increment, OpenPilotFilter, Place, Rotation};
+        use reflex::math::Quaternion;
+        use reflex::units::{BodyRates, TorqueDemand};
+    }
+    inputs {
+        motion: set_motion, rotation: set_rotation, heading: set_heading,
+        setpoint: set_setpoint, goal: set_goal, place: set_place, blind: set_blind
+    }
+}

@@ -5,7 +5,7 @@ use reflex::airframe::Mixed;
 use reflex::control::{Goal, Setpoint};
 use reflex::dataflow::{Description, Dirty};
 use reflex::estimate::{Motion, Place};
-use reflex::graph::{ArduCopter, Cascade, Cleanflight, ControlLogic};
+use reflex::graph::{ArduCopter, Cascade, Cleanflight, ControlLogic, OpenPilot};
 use reflex::math::{Quaternion, Vec3};
 
 /// The name of a control logic, as in `config/logics/`.
@@ -18,6 +18,9 @@ pub enum LogicName {
     ArduCopter,
     /// After Cleanflight.
     Cleanflight,
+    /// After OpenPilot.
+    #[value(name = "openpilot")]
+    OpenPilot,
 }
 
 /// A control logic of some name.
@@ -29,6 +32,8 @@ pub enum AnyLogic {
     ArduCopter(ArduCopter),
     /// After Cleanflight.
     Cleanflight(Cleanflight),
+    /// After OpenPilot.
+    OpenPilot(OpenPilot),
 }
 
 impl LogicName {
@@ -51,6 +56,7 @@ impl LogicName {
             Self::Cascade => AnyLogic::Cascade(Cascade::default()),
             Self::ArduCopter => AnyLogic::ArduCopter(ArduCopter::default()),
             Self::Cleanflight => AnyLogic::Cleanflight(Cleanflight::default()),
+            Self::OpenPilot => AnyLogic::OpenPilot(OpenPilot::default()),
         }
     }
 }
@@ -62,6 +68,7 @@ macro_rules! whichever {
             AnyLogic::Cascade($logic) => $call,
             AnyLogic::ArduCopter($logic) => $call,
             AnyLogic::Cleanflight($logic) => $call,
+            AnyLogic::OpenPilot($logic) => $call,
         }
     };
 }

@@ -35,6 +35,7 @@ use crate::units::{BodyRates, TorqueDemand};
 
 graph! {
     /// Attitude PI and rate PID with path follower, on a filter that learns the gyro's bias.
+    #[export_declaration]
     pub struct OpenPilot;
 
     /// Sums of the arrival stage since the last run.
