@@ -220,7 +220,7 @@ mod tests {
                 }
             }
             let apart = often.attitude().error_to(rarely.attitude()).max_norm();
-            prop_assert!(apart < 1e-3, "{}", apart);
+            prop_assert!(apart < 2e-4, "{}", apart);
             prop_assert!((often.bias - rarely.bias).max_norm() < 1e-4);
         }
 
