@@ -1,4 +1,4 @@
-//! Tests of the page: what each input reaches, and that the spacing of runs hardly matters.
+//! Tests of the page: slices of each input, and runs at any spacing.
 
 use super::*;
 use crate::control::Yaw;
