@@ -87,11 +87,11 @@ struct Heading {
     pose_at: Option<Instant>,
 }
 
-impl<R: Recorder, L: ControlLogic + Default> Autopilot<R, L> {
-    /// On the ground, not calibrated, with checked settings.
+impl<R: Recorder> Autopilot<R> {
+    /// On the ground, not calibrated, with checked settings and the control logic built in.
     #[must_use]
     pub fn new(settings: Settings, recorder: R) -> Self {
-        Self::with_logic(settings, recorder, L::default())
+        Self::with_logic(settings, recorder, Flown::default())
     }
 }
 

@@ -3,7 +3,7 @@
 use reflex::control::{Goal, Setpoint, Yaw};
 use reflex::estimate::{Increment, Place, Rotation};
 use reflex::math::{Quaternion, Vec3};
-use reflex::units::{BodyRates, Position, Thrust, Velocity};
+use reflex::units::{BodyRates, Thrust};
 
 /// The inputs that were set since the last run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -246,6 +246,7 @@ impl Step {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use reflex::units::{Position, Velocity};
 
     #[test]
     fn what_was_written_is_read() {

@@ -8,6 +8,7 @@
 //! | `pointer_vector` | the layout of RP-Embedded |
 
 use reflex::airframe::MotorShares;
+use reflex::graph;
 
 use crate::step::Step;
 
@@ -15,6 +16,18 @@ use crate::step::Step;
 pub trait Way {
     /// Sets the inputs of a step, runs, and says what the command is then.
     fn take(&mut self, step: &Step) -> MotorShares;
+}
+
+/// A visitor of logics, each of which comes in all its ways, in the order of [`crate::WAYS`].
+pub trait Visitor {
+    /// What a visit may end with.
+    type Error;
+
+    /// Sees one logic; the graph's bytes are those of ours.
+    ///
+    /// # Errors
+    /// Whatever the visitor finds wrong: then no other logic is shown.
+    fn visit(&mut self, name: &'static str, ways: [&mut dyn Way; 4]) -> Result<(), Self::Error>;
 }
 
 /// Declares a logic's module: its three other ways, and how each takes a step.
@@ -72,7 +85,6 @@ ways! {
     cascade::Cascade from declaration_of_cascade;
     uses {
         use reflex::airframe::Mixed;
-        use reflex::config::{CHIP_MAG, GYRO};
         use reflex::control::{RateState, Setpoint, Wanted};
         use reflex::estimate::{AttitudeFilter, Increment, Rotation};
         use reflex::math::Quaternion;
@@ -81,5 +93,40 @@ ways! {
     inputs {
         motion: set_motion, rotation: set_rotation, heading: set_heading,
         setpoint: set_setpoint, blind: set_blind
+    }
+}
+
+ways! {
+    /// After ArduCopter.
+    arducopter::ArduCopter from declaration_of_arducopter;
+    uses {
+        use reflex::airframe::Mixed;
+        use reflex::control::arducopter::*;
+        use reflex::control::{Goal, Setpoint};
+        use reflex::estimate::arducopter::DriftFilter;
+        use reflex::estimate::{Increment, Place, Rotation};
+        use reflex::math::Quaternion;
+        use reflex::units::{Thrust, TorqueDemand};
+    }
+    inputs {
+        motion: set_motion, rotation: set_rotation, heading: set_heading,
+        setpoint: set_setpoint, goal: set_goal, place: set_place, blind: set_blind
+    }
+}
+
+ways! {
+    /// After Cleanflight.
+    cleanflight::Cleanflight from declaration_of_cleanflight;
+    uses {
+        use reflex::airframe::Mixed;
+        use reflex::control::cleanflight::*;
+        use reflex::control::{Goal, Setpoint, Wanted};
+        use reflex::estimate::{Increment, MahonyFilter, Place, Rotation};
+        use reflex::math::Quaternion;
+        use reflex::units::TorqueDemand;
+    }
+    inputs {
+        motion: set_motion, rotation: set_rotation, heading: set_heading,
+        setpoint: set_setpoint, goal: set_goal, place: set_place, blind: set_blind
     }
 }

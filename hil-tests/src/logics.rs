@@ -5,7 +5,7 @@ use reflex::airframe::Mixed;
 use reflex::control::{Goal, Setpoint};
 use reflex::dataflow::{Description, Dirty};
 use reflex::estimate::{Motion, Place};
-use reflex::graph::{Cascade, ControlLogic};
+use reflex::graph::{ArduCopter, Cascade, Cleanflight, ControlLogic};
 use reflex::math::{Quaternion, Vec3};
 
 /// The name of a control logic, as in `config/logics/`.
@@ -13,6 +13,11 @@ use reflex::math::{Quaternion, Vec3};
 pub enum LogicName {
     /// Reflex's own.
     Cascade,
+    /// After ArduCopter.
+    #[value(name = "arducopter")]
+    ArduCopter,
+    /// After Cleanflight.
+    Cleanflight,
 }
 
 /// A control logic of some name.
@@ -20,6 +25,10 @@ pub enum LogicName {
 pub enum AnyLogic {
     /// Reflex's own.
     Cascade(Cascade),
+    /// After ArduCopter.
+    ArduCopter(ArduCopter),
+    /// After Cleanflight.
+    Cleanflight(Cleanflight),
 }
 
 impl LogicName {
@@ -40,6 +49,8 @@ impl LogicName {
     pub fn logic(self) -> AnyLogic {
         match self {
             Self::Cascade => AnyLogic::Cascade(Cascade::default()),
+            Self::ArduCopter => AnyLogic::ArduCopter(ArduCopter::default()),
+            Self::Cleanflight => AnyLogic::Cleanflight(Cleanflight::default()),
         }
     }
 }
@@ -49,6 +60,8 @@ macro_rules! whichever {
     ($any:ident, $logic:ident => $call:expr) => {
         match $any {
             AnyLogic::Cascade($logic) => $call,
+            AnyLogic::ArduCopter($logic) => $call,
+            AnyLogic::Cleanflight($logic) => $call,
         }
     };
 }

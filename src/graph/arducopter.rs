@@ -51,6 +51,7 @@ use crate::units::{Thrust, TorqueDemand};
 
 graph! {
     /// ArduCopter's angle, rate, position and altitude loops.
+    #[export_declaration]
     pub struct ArduCopter;
 
     /// Sums of the arrival stage since the last run.

@@ -37,6 +37,7 @@ use crate::units::TorqueDemand;
 
 graph! {
     /// Cleanflight's Mahony filter, level mode, floating-point PID and air mode.
+    #[export_declaration]
     pub struct Cleanflight;
 
     /// Sums of the arrival stage since the last run.

@@ -75,7 +75,7 @@ fn is_kept(plan: &Plan, value: &Value) -> bool {
 }
 
 fn step(plan: &Plan, value: &Value, computed: &Computed) -> TokenStream {
-    let name = &value.name;
+    let (name, of_type) = (&value.name, &value.of_type);
     let call = call(computed, |argument| {
         let read = &argument.name;
         let is_input = plan.value(read).input().is_some();
@@ -85,5 +85,5 @@ fn step(plan: &Plan, value: &Value, computed: &Computed) -> TokenStream {
             quote!(#read)
         }
     });
-    quote!(let #name = #call;)
+    quote!(let #name: #of_type = #call;)
 }

@@ -164,6 +164,7 @@ impl ReplayArguments {
         Ok(ReplayOptions {
             log,
             settings,
+            logic: self.logic.unwrap_or_else(LogicName::configured),
             duration_s: self.duration,
             rotate: self.rotate,
             noise: self.noise == NoiseName::Datasheet,
