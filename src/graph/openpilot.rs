@@ -34,7 +34,7 @@ use crate::math::{Quaternion, Vec3};
 use crate::units::{BodyRates, TorqueDemand};
 
 graph! {
-    /// Attitude PI and rate PID with path follower, on a filter that learns the gyro's bias.
+    /// Attitude PI, rate PID, path follower, on a filter that learns the bias.
     #[export_declaration]
     pub struct OpenPilot;
 
@@ -59,7 +59,7 @@ graph! {
     node attitude: Quaternion = attitude_of(&filter);
     /// Integral terms of position and altitude loops.
     state path: PathState = followed(&path, &place, &goal, &last target), clocked by place;
-    /// The setpoint in force: the goal's, where there is one, else the one from outside.
+    /// The setpoint in force: the goal's, where there is one, else the outside's.
     node target: Setpoint = target_of(&setpoint, &goal, &place, &path);
     /// Integral terms of attitude and rate loops.
     state integrals: Integrals = integrated(

@@ -127,7 +127,7 @@ impl PathFollower {
     }
 }
 
-/// The integral (thrust below neutral) that continues a thrust in flight; zero on the ground.
+/// The integral (thrust below neutral) that continues a flown thrust, if any.
 fn started_from(flown: Thrust) -> f32 {
     let share = flown.share();
     if share < gains::THRUST_MINIMUM {
@@ -150,7 +150,7 @@ fn derivative_thrust(state: &PathState) -> f32 {
     state.acceleration.z * gains::CLIMB_KD
 }
 
-/// The integral terms after a time in which the error went from one state's to the other's.
+/// The integral terms after the time (s) between two states.
 fn grown(before: &PathState, after: &PathState, dt: f32) -> Vec3 {
     const GAIN: Vec3 = Vec3::new(gains::VELOCITY_KI, gains::VELOCITY_KI, gains::CLIMB_KI);
     const LIMIT: Vec3 = Vec3::new(gains::LEAN_INTEGRAL_LIMIT, gains::LEAN_INTEGRAL_LIMIT, 1.0);
@@ -195,7 +195,7 @@ fn drawn_back([before, free]: [f32; 2], beside: [f32; 2], dt: f32) -> f32 {
     limited(before + beyond(start, before) * gone + pushed, 1.0)
 }
 
-/// The attitude with a heading (rad) that leans north and east (rad), each axis limited.
+/// The attitude with a heading (rad) that leans north and east (rad), limited.
 ///
 /// The original turns the lean by the present heading. Turned by the one that is asked for, the
 /// target leans the right way on Earth while the yaw is still under way too.

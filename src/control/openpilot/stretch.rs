@@ -19,7 +19,7 @@ pub struct ErrorStretch {
 }
 
 impl ErrorStretch {
-    /// Of an error whose course is known by how the body turned, in rad, and that turn swept.
+    /// Of an error whose course is known by a turn (rad), and that turn swept.
     ///
     /// It falls with the turn about the `axes` that count (1, others 0). What is left grows from
     /// nothing and enters with a third of its end, as of a parabola.
@@ -54,7 +54,7 @@ impl ErrorStretch {
         [Vec3::new(x.0, y.0, z.0), Vec3::new(x.1, y.1, z.1)]
     }
 
-    /// An integral after both parts of the error, times a gain, within a limit after each.
+    /// An integral after both parts times a gain, within a limit after each.
     #[must_use]
     pub fn integrated(&self, before: Vec3, gain: Vec3, limit: Vec3) -> Vec3 {
         let [first, second] = self.parts();
@@ -63,7 +63,7 @@ impl ErrorStretch {
     }
 }
 
-/// The mean of a value over a stretch of time, where it is held within plus or minus a limit.
+/// The mean of a value over a stretch, where it is held within a limit.
 ///
 /// Without the limit it would go from `start` to `end` with this `mean`; where it passes the
 /// limit, in a straight line.

@@ -1,4 +1,4 @@
-//! Tests of the page: what each input reaches, and that the spacing of runs hardly matters.
+//! Tests of the page: slices of each input, and runs at any spacing.
 
 use super::*;
 use crate::control::Yaw;
@@ -95,7 +95,7 @@ struct Turning {
 }
 
 impl Turning {
-    /// Motion from one time to another (s), the axes taken one by one: for small angles.
+    /// Motion from one time to another (s), each axis by itself: for small angles.
     fn motion(&self, from: f32, dt: f32) -> Motion {
         let rate = self.rate + self.acceleration * from;
         let angle = rate * dt + self.acceleration * (0.5 * dt * dt);

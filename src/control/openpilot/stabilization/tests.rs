@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 const LAW: Stabilization = Stabilization::CONFIGURED;
 
-/// The configured law with an integral in the attitude loop, which is off by default.
+/// The configured law with an integral in the attitude loop, off by default.
 fn with_attitude_integral() -> Stabilization {
     let mut law = LAW;
     law.attitude.integral = Vec3::new(1.5, 1.5, 1.5);
