@@ -8,7 +8,6 @@
 //! | `pointer_vector` | the layout of RP-Embedded |
 
 use reflex::airframe::MotorShares;
-use reflex::graph;
 
 use crate::step::Step;
 
@@ -16,18 +15,6 @@ use crate::step::Step;
 pub trait Way {
     /// Sets the inputs of a step, runs, and says what the command is then.
     fn take(&mut self, step: &Step) -> MotorShares;
-}
-
-/// A visitor of logics, each of which comes in all its ways, in the order of [`crate::WAYS`].
-pub trait Visitor {
-    /// What a visit may end with.
-    type Error;
-
-    /// Sees one logic; the graph's bytes are those of ours.
-    ///
-    /// # Errors
-    /// Whatever the visitor finds wrong: then no other logic is shown.
-    fn visit(&mut self, name: &'static str, ways: [&mut dyn Way; 4]) -> Result<(), Self::Error>;
 }
 
 /// Declares a logic's module: its three other ways, and how each takes a step.

@@ -21,12 +21,6 @@ use crate::units::BodyRates;
 /// How long a measured error of the heading is believed.
 const HEADING_LIFE: Duration = micros(200_000);
 
-/// The largest angle (rad) that motion is summed over, whether or not control runs.
-///
-/// Sums of turns about changing axes are right to second order: past this, in a flip with motors
-/// at their ends, what is left out would add up to degrees.
-const LARGEST_TURN: f32 = 0.1;
-
 /// Cosine of the tilt beyond which arming is refused: 60 degrees.
 ///
 /// A drone that lies on its side, or whose chips are mounted another way than face down, would
@@ -83,9 +77,6 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.count(Fault::ImuJump);
         }
         self.compare_sample(sample.at);
-        if self.arrival.motion().sums.angle.max_norm() > LARGEST_TURN {
-            self.advance(sample.at);
-        }
     }
 
     /// Takes note of samples of gating inputs; says what the board does next.

@@ -1,7 +1,8 @@
 //! A replay's calls told again: reference, mirror, and the scored flight.
 //!
 //! The *reference* is a second autopilot that runs at every gating sample of the same flight,
-//! with its own state. The *mirror* makes the firmware's very calls and must come to the
+//! with its own state: when the firmware ran behind that sample, so that both know of the same
+//! messages, else at the sample itself. The *mirror* makes the firmware's very calls and must come to the
 //! firmware's very commands, bit for bit.
 
 use anyhow::{Result, bail};
@@ -23,6 +24,8 @@ pub(crate) struct Story<'c> {
     pub(crate) flight: Flight,
     /// Places among the calls of the samples that ended the flight's hyperperiods.
     ends: Vec<usize>,
+    /// For each call, whether it is a sample behind which the hyperperiod's task ran.
+    answered: Vec<bool>,
     pub(crate) mirror: Autopilot<LastRan, AnyLogic>,
     /// Runs with motors that may turn.
     pub(crate) runs_in_the_air: u64,
@@ -62,7 +65,6 @@ fn held_at(calls: &[Stamped], at_us: u64) -> Command {
 /// The hyperperiod that a gating sample has ended and the next one will close.
 struct Open {
     at_us: u64,
-    reference: Command,
     run: Option<Run>,
 }
 
@@ -80,6 +82,7 @@ impl<'c> Story<'c> {
             start_us,
             flight: Flight::new(start_us, held_at(calls, start_us)),
             ends: Vec::new(),
+            answered: answered(calls),
             mirror: Autopilot::with_logic(settings, LastRan::default(), logic.logic()),
             runs_in_the_air: 0,
             fallbacks: 0,
@@ -102,22 +105,24 @@ impl<'c> Story<'c> {
             let at_us = stamped.at.ticks();
             stamped.call.replay(stamped.at, &mut self.mirror);
             phase = self.notice_phase(phase, at_us);
-            let ended = reference.take(stamped, true);
+            let ended = reference.take(stamped);
             match stamped.call {
                 Call::Imu(_) if ended => {
-                    self.close(&mut open);
+                    self.close(&mut open, &reference.command);
                     self.first_hyperperiod_us.get_or_insert(at_us);
                     if at_us >= self.start_us {
                         self.ends.push(place);
                     }
-                    open = Some(Open {
-                        at_us,
-                        reference: reference.command,
-                        run: None,
-                    });
+                    open = Some(Open { at_us, run: None });
+                    if !self.answered[place] {
+                        reference.run(stamped.at);
+                    }
                 }
                 Call::Timer => by_timer = true,
-                Call::Hyperperiod => by_timer = false,
+                Call::Hyperperiod => {
+                    by_timer = false;
+                    reference.run(stamped.at);
+                }
                 Call::Ran(ran) => {
                     self.compare(stamped.at, &ran)?;
                     // Only in reactive control does a change that is seen ask for anything.
@@ -128,12 +133,12 @@ impl<'c> Story<'c> {
                         expected: ran.expected,
                         command: ran.shares,
                     };
-                    self.take_run(run, at_us, by_timer, &mut open);
+                    self.take_run(run, (at_us, by_timer), &mut open, &reference.command);
                 }
                 _ => {}
             }
         }
-        self.close(&mut open);
+        self.close(&mut open, &reference.command);
         Ok(())
     }
 
@@ -154,14 +159,20 @@ impl<'c> Story<'c> {
         phase
     }
 
-    fn take_run(&mut self, run: Run, at_us: u64, by_timer: bool, open: &mut Option<Open>) {
+    fn take_run(
+        &mut self,
+        run: Run,
+        (at_us, by_timer): (u64, bool),
+        open: &mut Option<Open>,
+        reference: &Command,
+    ) {
         if run.reason != Reason::Ground && run.command != [0.0; MOTORS] {
             self.runs_in_the_air += 1;
         }
         match open {
             Some(open) if !by_timer && open.run.is_none() => open.run = Some(run),
             _ => {
-                self.close(open);
+                self.close(open, reference);
                 if at_us >= self.start_us {
                     self.flight.run_early(run);
                 }
@@ -169,12 +180,12 @@ impl<'c> Story<'c> {
         }
     }
 
-    fn close(&mut self, open: &mut Option<Open>) {
+    fn close(&mut self, open: &mut Option<Open>, reference: &Command) {
         if let Some(open) = open.take()
             && open.at_us >= self.start_us
         {
             self.flight
-                .end_hyperperiod(open.at_us, open.reference, open.run);
+                .end_hyperperiod(open.at_us, *reference, open.run);
         }
     }
 
@@ -210,20 +221,30 @@ impl<'c> Story<'c> {
         let warm_up_end = self.flight.warm_up_end_us().unwrap_or(u64::MAX);
         let period_us = (1e6 / rate_hz).min(self.settings.failsafe.ticks() as f64);
         let mut due_us = warm_up_end as f64 + period_us;
-        let mut held = Vec::with_capacity(self.ends.len());
+        let mut held = Vec::<Held>::with_capacity(self.ends.len());
         let mut ends = self.ends.iter().peekable();
+        let mut waits = false;
         for (place, stamped) in self.calls.iter().enumerate() {
             let at_us = stamped.at.ticks();
-            let due = at_us <= warm_up_end || at_us as f64 >= due_us;
-            let ran = native.take(stamped, due);
-            if ran && at_us > warm_up_end {
-                due_us = (due_us + period_us).max(at_us as f64);
+            let ended = native.take(stamped);
+            if ended {
+                waits = at_us <= warm_up_end || at_us as f64 >= due_us;
+                if waits && at_us > warm_up_end {
+                    due_us = (due_us + period_us).max(at_us as f64);
+                }
+                if ends.next_if_eq(&&place).is_some() {
+                    held.push(Held {
+                        command: native.command,
+                        runs: 0,
+                    });
+                }
             }
-            if ends.next_if_eq(&&place).is_some() {
-                held.push(Held {
-                    command: native.command,
-                    runs: u32::from(ran),
-                });
+            let now = stamped.call == Call::Hyperperiod || (ended && !self.answered[place]);
+            if now && core::mem::take(&mut waits) && native.run(stamped.at) {
+                if let Some(held) = held.last_mut() {
+                    held.command = native.command;
+                    held.runs = 1;
+                }
             }
         }
         held
@@ -248,18 +269,10 @@ impl Native {
         }
     }
 
-    /// Takes an input of the flight and runs where a hyperperiod ends and it is `due`; true
-    /// where it ran.
-    fn take(&mut self, stamped: &Stamped, due: bool) -> bool {
+    /// Takes an input of the flight; true where a hyperperiod ends with it.
+    fn take(&mut self, stamped: &Stamped) -> bool {
         match &stamped.call {
-            Call::Imu(burst) => {
-                let ended = self.autopilot.on_imu(stamped.at, burst) == Next::Hyperperiod;
-                let output = (ended && due)
-                    .then(|| self.autopilot.on_hyperperiod(stamped.at))
-                    .flatten();
-                self.command = output.map_or(self.command, |output| output.share());
-                output.is_some()
-            }
+            Call::Imu(burst) => self.autopilot.on_imu(stamped.at, burst) == Next::Hyperperiod,
             Call::ChipAccel(..) | Call::ChipMag(..) | Call::Message(_) => {
                 stamped.call.replay(stamped.at, &mut self.autopilot);
                 false
@@ -267,4 +280,27 @@ impl Native {
             _ => false,
         }
     }
+
+    /// Runs if a hyperperiod has ended since the last run; true where it ran.
+    fn run(&mut self, at: Instant) -> bool {
+        let output = self.autopilot.on_hyperperiod(at);
+        self.command = output.map_or(self.command, |output| output.share());
+        output.is_some()
+    }
+}
+
+/// For each call, whether it is a sample behind which the hyperperiod's task ran.
+fn answered(calls: &[Stamped]) -> Vec<bool> {
+    let mut ran = false;
+    let backwards = calls.iter().rev().map(|stamped| match stamped.call {
+        Call::Hyperperiod => {
+            ran = true;
+            false
+        }
+        Call::Imu(_) => core::mem::take(&mut ran),
+        _ => false,
+    });
+    let mut answered: Vec<bool> = backwards.collect();
+    answered.reverse();
+    answered
 }
