@@ -182,6 +182,18 @@ impl Flat {
 }
 
 impl Step {
+    /// True where every input is set: then time-triggered control comes to the same.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.motion.is_some()
+            && self.rotation.is_some()
+            && self.heading.is_some()
+            && self.setpoint.is_some()
+            && self.goal.is_some()
+            && self.place.is_some()
+            && self.blind.is_some()
+    }
+
     /// As words.
     #[must_use]
     pub fn to_words(&self) -> [u32; STEP_WORDS] {

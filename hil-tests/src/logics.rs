@@ -1,5 +1,7 @@
 //! Any control logic, chosen while the program runs: the firmware has one built in.
 
+mod tapped;
+
 use clap::ValueEnum;
 use reflex::airframe::Mixed;
 use reflex::control::{Goal, Setpoint};
@@ -7,6 +9,8 @@ use reflex::dataflow::{Description, Dirty};
 use reflex::estimate::{Motion, Place};
 use reflex::graph::{ArduCopter, Cascade, Cleanflight, ControlLogic, OpenPilot};
 use reflex::math::{Quaternion, Vec3};
+
+pub use tapped::steps_of;
 
 /// The name of a control logic, as in `config/logics/`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -57,6 +61,19 @@ impl LogicName {
             Self::ArduCopter => AnyLogic::ArduCopter(ArduCopter::default()),
             Self::Cleanflight => AnyLogic::Cleanflight(Cleanflight::default()),
             Self::OpenPilot => AnyLogic::OpenPilot(OpenPilot::default()),
+        }
+    }
+}
+
+impl LogicName {
+    /// Bytes that the graph takes, and those of its values one by one.
+    #[must_use]
+    pub fn bytes(self) -> (usize, usize) {
+        match self {
+            Self::Cascade => (size_of::<Cascade>(), Cascade::STORED_BYTES),
+            Self::ArduCopter => (size_of::<ArduCopter>(), ArduCopter::STORED_BYTES),
+            Self::Cleanflight => (size_of::<Cleanflight>(), Cleanflight::STORED_BYTES),
+            Self::OpenPilot => (size_of::<OpenPilot>(), OpenPilot::STORED_BYTES),
         }
     }
 }

@@ -117,6 +117,35 @@ impl Elf {
             .collect())
     }
 
+    /// Writes over a constant in the image, before it is loaded: at most what the symbol has.
+    ///
+    /// # Errors
+    /// There is no such symbol, it is smaller, or it is not in the file.
+    pub fn overwrite(&mut self, name: &str, content: &[u8]) -> Result<()> {
+        let file = object::File::parse(&*self.bytes).context("the firmware is not an ELF file")?;
+        let symbol = file.symbols().find(|symbol| symbol.name() == Ok(name));
+        let symbol = symbol.with_context(|| format!("the firmware has no symbol {name}"))?;
+        if symbol.size() < content.len() as u64 {
+            bail!(
+                "{name} holds {} bytes, not {}",
+                symbol.size(),
+                content.len()
+            );
+        }
+        let place = file.sections().find_map(|section| {
+            let (start, size) = section.file_range()?;
+            let offset = symbol.address().checked_sub(section.address())?;
+            (offset < section.size() && offset < size).then_some(start + offset)
+        });
+        let place = place.with_context(|| format!("{name} is not in the file"))? as usize;
+        let length = content.len();
+        let target = self.bytes.get_mut(place..place + length);
+        target
+            .with_context(|| format!("{name} ends behind the file"))?
+            .copy_from_slice(content);
+        Ok(())
+    }
+
     /// The stack's region, by the linker's symbols: it grows from the end
     /// towards the start.
     pub fn stack(&self) -> Result<Range<u32>> {

@@ -3,6 +3,7 @@
 //! | file | measures |
 //! |---|---|
 //! | `parts` | parts of the library one by one, in a program of their own |
+//! | `logics`, `steps` | every control logic in four ways, on made-up steps and recorded flights |
 //! | `flight` | the firmware while it flies: handlers, interrupt to motors, locks |
 //! | `activations`, `locks` | who executed which instructions; how long idle holds a lock |
 //! | `table` | all of it, against its limits |
@@ -13,14 +14,19 @@
 mod activations;
 mod flight;
 mod locks;
+mod logics;
 mod parts;
+mod steps;
 mod table;
 #[cfg(test)]
 mod tests;
 
 use anyhow::Result;
 
+pub use logics::{FlightCost, LogicCost, WayCost};
 pub use table::{Cost, Costs, Memory};
+
+use logics::LogicProgram;
 
 use crate::firmware::Firmware;
 use crate::logics::LogicName;
@@ -38,12 +44,14 @@ const SWAP_LIMIT: u64 = 840;
 pub fn measure(progress: &mut dyn Progress) -> Result<Costs> {
     let program = Firmware::build_parts(progress)?;
     let mut parts = parts::measure(program, progress)?;
+    let logics = LogicProgram::build(progress)?.measure()?;
     let firmware = Firmware::build(LogicName::configured(), progress)?;
     let flown = flight::measure(&firmware, progress)?;
     parts.extend(flown.parts);
     Ok(Costs {
         core_hz: CORE_HZ,
         parts,
+        logics,
         firmware: flown.memory,
         locks: flown.locks,
     })

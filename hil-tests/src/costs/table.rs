@@ -3,6 +3,8 @@
 use anyhow::Result;
 use serde::Serialize;
 
+use super::logics::LogicCost;
+
 /// All costs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Costs {
@@ -10,6 +12,8 @@ pub struct Costs {
     pub core_hz: u64,
     /// The parts, in isolation and in flight.
     pub parts: Vec<Cost>,
+    /// Every control logic, in four ways.
+    pub logics: Vec<LogicCost>,
     /// Memory that the firmware takes.
     pub firmware: Memory,
     /// How long locks are held, without what preempts them.
