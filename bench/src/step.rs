@@ -194,6 +194,20 @@ impl Step {
             && self.blind.is_some()
     }
 
+    /// These inputs, and those of another step where this one has none.
+    #[must_use]
+    pub fn over(&self, other: &Self) -> Self {
+        Self {
+            motion: self.motion.or(other.motion),
+            rotation: self.rotation.or(other.rotation),
+            heading: self.heading.or(other.heading),
+            setpoint: self.setpoint.or(other.setpoint),
+            goal: self.goal.or(other.goal),
+            place: self.place.or(other.place),
+            blind: self.blind.or(other.blind),
+        }
+    }
+
     /// As words.
     #[must_use]
     pub fn to_words(&self) -> [u32; STEP_WORDS] {

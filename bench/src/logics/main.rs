@@ -26,20 +26,23 @@ mod program {
     use reflex_bench::{STEPS, STEPS_SYMBOL};
     use stm32f4xx_hal as _;
 
-    /// How many steps there are, then their words.
+    /// Which logic, how many steps, then their words: see [`reflex_bench::STEPS_SYMBOL`].
     #[unsafe(export_name = "REFLEX_BENCH_STEPS")]
-    static GIVEN: [u32; 1 + STEPS * STEP_WORDS] = [0; 1 + STEPS * STEP_WORDS];
+    static GIVEN: [u32; 2 + STEPS * STEP_WORDS] = [0; 2 + STEPS * STEP_WORDS];
     const _: &str = STEPS_SYMBOL;
+    const LOGICS: u32 = reflex_bench::LOGICS.len() as u32;
 
-    /// Runs a logic in every way over the given steps.
+    /// Runs a logic in every way over the given steps, where it is asked for.
     macro_rules! in_every_way {
-        ($module:ident::$graph:ident) => {
-            compare(
-                &mut ways::$module::straight_line::$graph::new(),
-                &mut graph::$graph::new(),
-                &mut ways::$module::callbacks::$graph::new(),
-                &mut ways::$module::pointer_vector::$graph::new(),
-            )
+        ($place:literal, $module:ident::$graph:ident) => {
+            if matches!(black_box(&GIVEN)[0], $place | LOGICS..) {
+                compare(
+                    &mut ways::$module::straight_line::$graph::new(),
+                    &mut graph::$graph::new(),
+                    &mut ways::$module::callbacks::$graph::new(),
+                    &mut ways::$module::pointer_vector::$graph::new(),
+                )
+            }
         };
     }
     #[cortex_m_rt::entry]
@@ -48,10 +51,10 @@ mod program {
         core.DCB.enable_trace();
         core.DWT.enable_cycle_counter();
         measured(|| ());
-        in_every_way!(cascade::Cascade);
-        in_every_way!(arducopter::ArduCopter);
-        in_every_way!(cleanflight::Cleanflight);
-        in_every_way!(openpilot::OpenPilot);
+        in_every_way!(0, cascade::Cascade);
+        in_every_way!(1, arducopter::ArduCopter);
+        in_every_way!(2, cleanflight::Cleanflight);
+        in_every_way!(3, openpilot::OpenPilot);
         done();
         loop {
             cortex_m::asm::wfi();
@@ -64,7 +67,7 @@ mod program {
         callbacks: &mut impl Way,
         pointer_vector: &mut impl Way,
     ) {
-        let (count, words) = black_box(&GIVEN).split_first().expect("a count at least");
+        let [_, count, words @ ..] = black_box(&GIVEN);
         let steps = words.as_chunks::<STEP_WORDS>().0;
         let mut whole = true;
         for words in steps.iter().take(*count as usize) {

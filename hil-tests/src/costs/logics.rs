@@ -15,8 +15,14 @@ use super::parts::{Program, at_rest};
 use super::steps::{INPUTS, cases};
 use crate::board::Elf;
 use crate::firmware::Firmware;
-use crate::logics::LogicName;
+use crate::flights::Flight;
+use crate::logics::{LogicName, steps_of};
+use crate::native::fly;
 use crate::progress::Progress;
+use crate::replay_options::ReplayOptions;
+
+/// Blocks of a flight's runs that are measured.
+const BLOCKS: usize = 4;
 
 /// Instructions of one way for each step.
 type Counts = Vec<u64>;
@@ -68,6 +74,72 @@ pub struct FlightCost {
     /// Their mean.
     #[serde(flatten)]
     pub mean: WayCost,
+}
+
+impl LogicCost {
+    /// What is dearer than it may be, in one line.
+    ///
+    /// Where everything changed, ours may take a tenth more than time-triggered control. It takes
+    /// less than the other reactive ways in every step. An input that reaches less than a fifth
+    /// of the work takes at most three tenths of it.
+    #[must_use]
+    pub fn over(&self) -> Option<String> {
+        let (name, all) = (&self.name, &self.everything);
+        if 10 * all.reactive > 11 * all.time_triggered {
+            return Some(format!(
+                "{name} takes {} instructions where everything changed, its limit is 1.1 of {}",
+                all.reactive, all.time_triggered
+            ));
+        }
+        if self.not_least > 0 {
+            return Some(format!(
+                "{name} takes as much as callbacks or a pointer vector in {} steps",
+                self.not_least
+            ));
+        }
+        // What a change costs that reaches nothing, and so is no part of the work.
+        let overhead = self.by_input.values().min().copied().unwrap_or(0);
+        let mut inputs = self.by_input.iter();
+        let (input, cost) = inputs.find(|(_, cost)| {
+            let slice = cost.saturating_sub(overhead);
+            5 * slice < all.time_triggered && 10 * **cost > 3 * all.time_triggered
+        })?;
+        Some(format!(
+            "{name} takes {cost} instructions where {input} changed, its limit is 0.3 of {}",
+            all.time_triggered
+        ))
+    }
+
+    /// Rows of a table: what changed, then the four ways.
+    pub(super) fn rows(&self) -> Vec<[String; 5]> {
+        let row = |what: String, cost: &WayCost| {
+            let numbers = [
+                cost.time_triggered,
+                cost.reactive,
+                cost.callbacks,
+                cost.pointer_vector,
+            ];
+            let [t, r, c, p] = numbers.map(|number| number.to_string());
+            [what, t, r, c, p]
+        };
+        let mut rows = vec![row(format!("{}: everything", self.name), &self.everything)];
+        rows.extend(self.by_input.iter().map(|(input, reactive)| {
+            let of = |costs: &BTreeMap<String, u64>| costs.get(input).copied().unwrap_or(0);
+            let cost = WayCost {
+                time_triggered: self.everything.time_triggered,
+                reactive: *reactive,
+                callbacks: of(&self.callbacks_by_input),
+                pointer_vector: of(&self.pointer_vector_by_input),
+            };
+            row(format!("{}: {input}", self.name), &cost)
+        }));
+        rows.extend(
+            self.flights
+                .iter()
+                .map(|flight| row(format!("{}: {}", self.name, flight.log), &flight.mean)),
+        );
+        rows
+    }
 }
 
 impl WayCost {
@@ -147,14 +219,27 @@ impl LogicProgram {
         costs.collect()
     }
 
-    /// One logic over the runs of a flight, in blocks spread over it.
-    pub(super) fn measure_flight(
+    /// One logic over the runs of recorded flights, in reactive control as it is configured.
+    pub(super) fn measure_flights(
         &self,
         name: LogicName,
-        log: &str,
-        steps: &[Step],
-    ) -> Result<FlightCost> {
-        const BLOCKS: usize = 4;
+        flights: &[Flight],
+        progress: &mut dyn Progress,
+    ) -> Result<Vec<FlightCost>> {
+        let options = ReplayOptions {
+            logic: name,
+            ..ReplayOptions::default()
+        };
+        let costs = flights.iter().map(|flight| {
+            progress.stage(&format!("Counting {} on {}", name.word(), flight.name));
+            let steps = steps_of(&fly(flight, &options)?, options.settings, name);
+            self.measure_runs(name, &flight.name, &steps)
+        });
+        costs.collect()
+    }
+
+    /// One logic over runs, in blocks spread over them.
+    fn measure_runs(&self, name: LogicName, log: &str, steps: &[Step]) -> Result<FlightCost> {
         let mut all: [Counts; WAYS] = Default::default();
         let apart = (steps.len() / BLOCKS).max(1);
         for block in steps.chunks(apart).take(BLOCKS) {
@@ -175,18 +260,17 @@ impl LogicProgram {
         let place = LOGICS.iter().position(|it| *it == name.word());
         let place = place.ok_or_else(|| anyhow::anyhow!("{} is not measured", name.word()))?;
         let mut elf = self.elf.clone();
-        elf.overwrite(STEPS_SYMBOL, &image(steps))?;
+        elf.overwrite(STEPS_SYMBOL, &image(place, steps))?;
         let pairs = Program::new(&Arc::new(elf))?.run(at_rest())?;
-        let expected = 1 + LOGICS.len() * steps.len() * WAYS;
+        let expected = 1 + steps.len() * WAYS;
         ensure!(
             pairs.len() == expected,
             "the control logics ended at measurement {} of {expected}",
             pairs.len()
         );
         let nothing = pairs[0];
-        let of_logic = &pairs[1 + place * steps.len() * WAYS..][..steps.len() * WAYS];
         let mut ways: [Counts; WAYS] = Default::default();
-        for step in of_logic.chunks_exact(WAYS) {
+        for step in pairs[1..].chunks_exact(WAYS) {
             for (way, count) in ways.iter_mut().zip(step) {
                 way.push(count.saturating_sub(nothing));
             }
@@ -195,10 +279,11 @@ impl LogicProgram {
     }
 }
 
-/// How many steps there are, then their words, as the program's memory holds them.
-fn image(steps: &[Step]) -> Vec<u8> {
-    let count = [steps.len() as u32];
-    let words = steps.iter().flat_map(Step::to_words);
-    let words = count.into_iter().chain(words);
+/// Which logic, how many steps, then their words, as the program's memory holds them.
+fn image(logic: usize, steps: &[Step]) -> Vec<u8> {
+    let head = [logic as u32, steps.len() as u32];
+    let words = head
+        .into_iter()
+        .chain(steps.iter().flat_map(Step::to_words));
     words.flat_map(u32::to_le_bytes).collect()
 }

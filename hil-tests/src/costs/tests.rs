@@ -6,7 +6,7 @@ use crate::progress::Silent;
 
 #[test]
 fn two_measurements_are_equal_and_within_their_limits() {
-    let [first, second] = [(); 2].map(|()| measure(&mut Silent).expect("measured"));
+    let [first, second] = [(); 2].map(|()| measure(&[], &mut Silent).expect("measured"));
     assert_eq!(first, second);
     assert_eq!(first.over(), None);
 }
