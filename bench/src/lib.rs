@@ -7,9 +7,9 @@ pub mod ways;
 
 /// Most steps that the program `logics` takes at once.
 pub const STEPS: usize = 256;
-/// Where they stand in its memory: the place of a logic in [`LOGICS`], or a larger number for
+/// The path of their place in its memory: the place of a logic in [`LOGICS`], or a larger number for
 /// all of them, how many steps there are, then the words of each.
-pub const STEPS_SYMBOL: &str = "REFLEX_BENCH_STEPS";
+pub const STEPS_SYMBOL: [&str; 2] = ["program", "GIVEN"];
 /// The ways in which each step is run: time-triggered, ours, callbacks, pointer vector.
 pub const WAYS: usize = 4;
 /// The control logics that are run, in this order.

@@ -21,15 +21,13 @@ mod program {
     use panic_probe as _;
     use reflex::airframe::MotorShares;
     use reflex::graph;
+    use reflex_bench::STEPS;
     use reflex_bench::step::{STEP_WORDS, Step};
     use reflex_bench::ways::{self, Way};
-    use reflex_bench::{STEPS, STEPS_SYMBOL};
     use stm32f4xx_hal as _;
 
     /// Which logic, how many steps, then their words: see [`reflex_bench::STEPS_SYMBOL`].
-    #[unsafe(export_name = "REFLEX_BENCH_STEPS")]
     static GIVEN: [u32; 2 + STEPS * STEP_WORDS] = [0; 2 + STEPS * STEP_WORDS];
-    const _: &str = STEPS_SYMBOL;
     const LOGICS: u32 = reflex_bench::LOGICS.len() as u32;
 
     /// Runs a logic in every way over the given steps, where it is asked for.

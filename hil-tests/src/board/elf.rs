@@ -82,10 +82,7 @@ impl Elf {
     /// Both ways in which the compiler spells a path as a symbol put the length of each name
     /// before it.
     pub fn function(&self, path: &[&str]) -> Result<u32> {
-        let spelled: String = path
-            .iter()
-            .map(|name| format!("{}{name}", name.len()))
-            .collect();
+        let spelled = spelled(path);
         let found: Vec<u32> = self
             .functions
             .iter()
@@ -117,14 +114,20 @@ impl Elf {
             .collect())
     }
 
-    /// Writes over a constant in the image, before it is loaded: at most what the symbol has.
+    /// Writes over a constant in the image, before it is loaded: at most what it has room for.
+    ///
+    /// `path` is the end of its path, as in [`Self::function`].
     ///
     /// # Errors
-    /// There is no such symbol, it is smaller, or it is not in the file.
-    pub fn overwrite(&mut self, name: &str, content: &[u8]) -> Result<()> {
+    /// There is no such constant, it is smaller, or it is not in the file.
+    pub fn overwrite(&mut self, path: &[&str], content: &[u8]) -> Result<()> {
+        let (name, spelled) = (path.join("::"), spelled(path));
         let file = object::File::parse(&*self.bytes).context("the firmware is not an ELF file")?;
-        let symbol = file.symbols().find(|symbol| symbol.name() == Ok(name));
-        let symbol = symbol.with_context(|| format!("the firmware has no symbol {name}"))?;
+        let symbol = file.symbols().find(|symbol| {
+            symbol.kind() == SymbolKind::Data
+                && symbol.name().is_ok_and(|name| name.contains(&spelled))
+        });
+        let symbol = symbol.with_context(|| format!("the firmware has no constant {name}"))?;
         if symbol.size() < content.len() as u64 {
             bail!(
                 "{name} holds {} bytes, not {}",
@@ -166,6 +169,12 @@ impl Elf {
         });
         format!("{} (pc {pc:#010x})", name.unwrap_or("unknown code"))
     }
+}
+
+/// A path as part of a symbol: the length of each name before it.
+fn spelled(path: &[&str]) -> String {
+    let names = path.iter().map(|name| format!("{}{name}", name.len()));
+    names.collect()
 }
 
 #[cfg(test)]

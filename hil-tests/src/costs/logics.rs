@@ -1,4 +1,4 @@
-//! Every control logic in four ways: what a step costs, and what an input that changed alone.
+//! Every control logic in four ways: what a step costs, and one input alone.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -260,7 +260,7 @@ impl LogicProgram {
         let place = LOGICS.iter().position(|it| *it == name.word());
         let place = place.ok_or_else(|| anyhow::anyhow!("{} is not measured", name.word()))?;
         let mut elf = self.elf.clone();
-        elf.overwrite(STEPS_SYMBOL, &image(place, steps))?;
+        elf.overwrite(&STEPS_SYMBOL, &image(place, steps))?;
         let pairs = Program::new(&Arc::new(elf))?.run(at_rest())?;
         let expected = 1 + steps.len() * WAYS;
         ensure!(
