@@ -1,4 +1,4 @@
-//! What a control logic is given before a run, as words that a host leaves in memory.
+//! What a control logic is given before a run, as words in memory.
 
 use reflex::control::{Goal, Setpoint, Yaw};
 use reflex::estimate::{Increment, Place, Rotation};
