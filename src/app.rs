@@ -173,6 +173,11 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         self.pose.as_ref()
     }
 
+    /// The control logic, for a host that looks at it while the autopilot lives.
+    pub fn logic(&mut self) -> &mut L {
+        &mut self.graph
+    }
+
     /// The recorder, for a host that reads it while the autopilot lives.
     pub fn recorder(&mut self) -> &mut R {
         &mut self.recorder

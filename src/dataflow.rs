@@ -43,7 +43,7 @@
 //! # Lines
 //! | line | is | clauses |
 //! |---|---|---|
-//! | `input NAME: TYPE` | set from outside | `at NUMBER Hz` or `every PERIOD`: the largest rate; `gates`, `gates if CONSTANT`: its period enters the hyperperiod; `triggers`: it may ask for a run; `joins`: neither |
+//! | `input NAME: TYPE` | set from outside | `at NUMBER Hz` or `every PERIOD`, whose `ticks()` are us: the largest rate; `gates`, `gates if CONSTANT`: its period enters the hyperperiod; `triggers`: it may ask for a run; `joins`: neither |
 //! | `state NAME: TYPE = FUNCTION(...)` | remembers; reads its own old value by its name | `clocked by INPUT`: advances exactly when that is set |
 //! | `node NAME: TYPE = FUNCTION(...)` | computed from others | |
 //! | `output NAME: TYPE = FUNCTION(...)` | a node that the world outside reads | |

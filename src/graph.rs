@@ -19,6 +19,14 @@ pub use openpilot::OpenPilot;
 
 use logic::{place_inputs, standard_inputs};
 
+use crate::config::HYPERPERIOD;
+
+// What gates the graph gates the hyperperiod of the whole autopilot, in which others may too.
+const _: () = assert!(
+    Flown::HYPERPERIOD > 0 && HYPERPERIOD.ticks() % Flown::HYPERPERIOD == 0,
+    "an input gates the control logic, but not the hyperperiod of config/reactive.toml"
+);
+
 /// The control logic that `config/selection.toml` names.
 #[cfg(logic = "cascade")]
 pub type Flown = Cascade;

@@ -1,4 +1,4 @@
-//! What the compiler says of a graph that is declared wrongly: at its line, in its words.
+//! What the compiler says of a graph that is declared wrongly.
 //!
 //! Each file of `graph_errors/` stands beside what is expected of it. After a change on purpose,
 //! `TRYBUILD=overwrite cargo test --test graph_errors` writes it anew.

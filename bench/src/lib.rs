@@ -7,12 +7,13 @@ pub mod ways;
 
 /// Most steps that the program `logics` takes at once.
 pub const STEPS: usize = 256;
-/// Where they stand in its memory: how many, then the words of each.
-pub const STEPS_SYMBOL: &str = "REFLEX_BENCH_STEPS";
-/// The ways in which each step is run, in this order.
-pub const WAYS: [&str; 4] = ["time_triggered", "reactive", "callbacks", "pointer_vector"];
+/// The path of their place in its memory: the place of a logic in [`LOGICS`], or a larger number for
+/// all of them, how many steps there are, then the words of each.
+pub const STEPS_SYMBOL: [&str; 2] = ["program", "GIVEN"];
+/// The ways in which each step is run: time-triggered, ours, callbacks, pointer vector.
+pub const WAYS: usize = 4;
 /// The control logics that are run, in this order.
-pub const LOGICS: [&str; 1] = ["cascade"];
+pub const LOGICS: [&str; 4] = ["cascade", "arducopter", "cleanflight", "openpilot"];
 
 /// One part: what it is, and how often it is measured on other inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! What a control logic is given before one run, as words that a host can leave in memory.
+//! What a control logic is given before a run, as words that a host leaves in memory.
 
 use reflex::control::{Goal, Setpoint, Yaw};
 use reflex::estimate::{Increment, Place, Rotation};
@@ -182,6 +182,32 @@ impl Flat {
 }
 
 impl Step {
+    /// True where every input is set: then time-triggered control comes to the same.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.motion.is_some()
+            && self.rotation.is_some()
+            && self.heading.is_some()
+            && self.setpoint.is_some()
+            && self.goal.is_some()
+            && self.place.is_some()
+            && self.blind.is_some()
+    }
+
+    /// These inputs, and those of another step where this one has none.
+    #[must_use]
+    pub fn over(&self, other: &Self) -> Self {
+        Self {
+            motion: self.motion.or(other.motion),
+            rotation: self.rotation.or(other.rotation),
+            heading: self.heading.or(other.heading),
+            setpoint: self.setpoint.or(other.setpoint),
+            goal: self.goal.or(other.goal),
+            place: self.place.or(other.place),
+            blind: self.blind.or(other.blind),
+        }
+    }
+
     /// As words.
     #[must_use]
     pub fn to_words(&self) -> [u32; STEP_WORDS] {

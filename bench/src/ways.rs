@@ -1,4 +1,4 @@
-//! Every control logic in four ways, from one declaration, to measure what each costs.
+//! Every control logic in four ways, from one declaration: what does each cost?
 //!
 //! | way | is |
 //! |---|---|

@@ -18,6 +18,8 @@ use crate::toolchain::{self, TARGET};
 const NAME: &str = "reflex";
 /// Package and binary of the program that runs parts of the firmware one by one.
 const PARTS: (&str, &str) = ("reflex-bench", "parts");
+/// Package and binary of the program that runs every control logic in every way.
+const LOGICS: (&str, &str) = ("reflex-bench", "logics");
 /// Where flash begins and ends on an STM32F427.
 const FLASH: std::ops::Range<u32> = 0x0800_0000..0x0820_0000;
 
@@ -65,6 +67,15 @@ impl Firmware {
     pub fn build_parts(progress: &mut dyn Progress) -> Result<Self> {
         progress.stage("Building the parts");
         Self::linked(toolchain::cargo(), PARTS, progress)
+    }
+
+    /// Builds the program that runs every control logic in every way, for measurements.
+    ///
+    /// # Errors
+    /// As those of [`Self::build`].
+    pub fn build_logics(progress: &mut dyn Progress) -> Result<Self> {
+        progress.stage("Building the control logics");
+        Self::linked(toolchain::cargo(), LOGICS, progress)
     }
 
     fn linked(

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::flights::{Flight, Rotate, sample_flight};
+
 /// Where recorded flights are looked for, from this package's folder.
 const RECORDINGS: &str = "../../shared/streams";
 
@@ -18,4 +20,24 @@ pub fn recording(name: &str) -> Option<PathBuf> {
         path.display()
     );
     None
+}
+
+/// Every recorded flight that is at hand, and the one that comes with the crates.
+pub fn flights() -> Vec<Flight> {
+    const NAMES: [&str; 9] = [
+        "ansfl_phantom4_h11",
+        "ap33_solo_acro_crash_mpu6000_lsm303d",
+        "ap33_solo_loiter_mpu6000_lsm303d",
+        "bf42_gecko_cruise",
+        "bf42_kakutef7_ar8_hover",
+        "bf45_speedybee_freestyle",
+        "bf45_speedybee_freestyle_unfilt",
+        "px4_v5_hexa_vib",
+        "px4_v6c_quad_calm",
+    ];
+    let recorded = NAMES.map(|name| recording(&format!("csv/{name}.csv")));
+    let logs = recorded.into_iter().flatten();
+    logs.chain(sample_flight())
+        .map(|log| Flight::read(&log, Rotate::Auto).expect("a flight"))
+        .collect()
 }

@@ -3,13 +3,13 @@
 use super::*;
 use crate::config::{HYPERPERIOD, MOTORS, SETTINGS};
 use crate::control::Setpoint;
+use crate::graph::Cascade;
 use crate::link::{Answer, Message};
 use crate::reactive::{Fit, Phase};
 use crate::sensors::{Cause, Input, Inputs};
 use crate::settings::{Policy, WarmUp};
 use crate::time::{at_micros, micros, span};
 use crate::units::Thrust;
-use std::vec::Vec;
 
 mod gaps;
 mod supervision;
@@ -27,9 +27,9 @@ fn burst(rate: i16) -> [u8; 15] {
     [1, 0, 0, 0, 0, down, down_low, 0, 0, high, low, 0, 0, 0, 0]
 }
 
-/// A board that does what the firmware does, without one.
+/// A board that does what the firmware does, without one, and flies the cascade.
 struct Bench {
-    autopilot: Autopilot<Vec<Stamped>>,
+    autopilot: Autopilot<Vec<Stamped>, Cascade>,
     now: u64,
     outputs: Vec<(u64, [f32; MOTORS])>,
 }
@@ -37,7 +37,7 @@ struct Bench {
 impl Bench {
     fn new(settings: Settings) -> Self {
         Self {
-            autopilot: Autopilot::new(settings, Vec::new()),
+            autopilot: Autopilot::with_logic(settings, Vec::new(), Cascade::default()),
             now: 0,
             outputs: Vec::new(),
         }
@@ -378,7 +378,7 @@ fn a_silent_peer_leaves_the_drone_level() {
 fn the_recorded_calls_give_the_same_commands_bit_for_bit() {
     let mut bench = Bench::armed(short_warm_up());
     bench.milliseconds(8_000, gusty);
-    let mut again = Autopilot::new(short_warm_up(), Vec::new());
+    let mut again = Autopilot::with_logic(short_warm_up(), Vec::new(), Cascade::default());
     for stamped in &bench.autopilot.recorder {
         stamped.call.replay(stamped.at, &mut again);
     }

@@ -1,7 +1,6 @@
 //! A graph as data, for whoever draws it or tells about it.
 
 use super::Dirty;
-use crate::time::Duration;
 
 /// A whole graph.
 #[derive(Clone, Copy, Debug)]
@@ -10,8 +9,8 @@ pub struct Description {
     pub name: &'static str,
     /// The first line of its documentation.
     pub doc: &'static str,
-    /// Time after which the inputs that gate have all come; zero where none gates.
-    pub hyperperiod: Duration,
+    /// Time (us) after which the inputs that gate have all come; zero where none gates.
+    pub hyperperiod: u64,
     /// Inputs first, then each value behind all that it reads.
     pub values: &'static [Described],
 }

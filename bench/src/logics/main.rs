@@ -1,9 +1,10 @@
 //! Runs every control logic in every way over the same steps, between marks.
 //!
 //! Whoever watches the function `mark` sees it called before and after each step of each way, in
-//! the order of [`reflex_bench::WAYS`] and of [`reflex_bench::LOGICS`]. The steps stand in
+//! the order of [`reflex_bench::LOGICS`], ways as in [`reflex_bench::ways`]. The steps stand in
 //! flash: whoever starts the program writes them over those of the file. A way that comes to
-//! another command than the first stops the program.
+//! another command than ours stops the program; the time-triggered one
+//! only as long as every step sets every input.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 /// Only the emulated core counts instructions.
@@ -18,29 +19,40 @@ mod program {
 
     use defmt_rtt as _;
     use panic_probe as _;
+    use reflex::airframe::MotorShares;
     use reflex::graph;
+    use reflex_bench::STEPS;
     use reflex_bench::step::{STEP_WORDS, Step};
     use reflex_bench::ways::{self, Way};
-    use reflex_bench::{STEPS, STEPS_SYMBOL};
     use stm32f4xx_hal as _;
 
-    /// How many steps there are, then their words.
-    #[unsafe(export_name = "REFLEX_BENCH_STEPS")]
-    static GIVEN: [u32; 1 + STEPS * STEP_WORDS] = [0; 1 + STEPS * STEP_WORDS];
-    const _: &str = STEPS_SYMBOL;
+    /// Which logic, how many steps, then their words: see [`reflex_bench::STEPS_SYMBOL`].
+    static GIVEN: [u32; 2 + STEPS * STEP_WORDS] = [0; 2 + STEPS * STEP_WORDS];
+    const LOGICS: u32 = reflex_bench::LOGICS.len() as u32;
 
+    /// Runs a logic in every way over the given steps, where it is asked for.
+    macro_rules! in_every_way {
+        ($place:literal, $module:ident::$graph:ident) => {
+            if matches!(black_box(&GIVEN)[0], $place | LOGICS..) {
+                compare(
+                    &mut ways::$module::straight_line::$graph::new(),
+                    &mut graph::$graph::new(),
+                    &mut ways::$module::callbacks::$graph::new(),
+                    &mut ways::$module::pointer_vector::$graph::new(),
+                )
+            }
+        };
+    }
     #[cortex_m_rt::entry]
     fn main() -> ! {
         let mut core = cortex_m::Peripherals::take().expect("taken once");
         core.DCB.enable_trace();
         core.DWT.enable_cycle_counter();
         measured(|| ());
-        compare(
-            &mut ways::cascade::straight_line::Cascade::new(),
-            &mut graph::Cascade::new(),
-            &mut ways::cascade::callbacks::Cascade::new(),
-            &mut ways::cascade::pointer_vector::Cascade::new(),
-        );
+        in_every_way!(0, cascade::Cascade);
+        in_every_way!(1, arducopter::ArduCopter);
+        in_every_way!(2, cleanflight::Cleanflight);
+        in_every_way!(3, openpilot::OpenPilot);
         done();
         loop {
             cortex_m::asm::wfi();
@@ -53,28 +65,29 @@ mod program {
         callbacks: &mut impl Way,
         pointer_vector: &mut impl Way,
     ) {
-        let (count, words) = black_box(&GIVEN).split_first().expect("a count at least");
-        for words in words
-            .as_chunks::<STEP_WORDS>()
-            .0
-            .iter()
-            .take(*count as usize)
-        {
+        let [_, count, words @ ..] = black_box(&GIVEN);
+        let steps = words.as_chunks::<STEP_WORDS>().0;
+        let mut whole = true;
+        for words in steps.iter().take(*count as usize) {
             let step = black_box(Step::from_words(words));
-            let expected = run(straight_line, &step);
-            for commands in [
-                run(reactive, &step),
-                run(callbacks, &step),
-                run(pointer_vector, &step),
-            ] {
-                assert!(commands.map(f32::to_bits) == expected.map(f32::to_bits));
-            }
+            whole &= step.is_whole();
+            let time_triggered = run(straight_line, &step);
+            let expected = run(reactive, &step);
+            assert!(same(run(callbacks, &step), expected));
+            assert!(same(run(pointer_vector, &step), expected));
+            // Without a new sample it advances by the old one once more.
+            assert!(!whole || same(time_triggered, expected));
         }
+    }
+
+    /// Bit by bit.
+    fn same(one: MotorShares, other: MotorShares) -> bool {
+        one.map(f32::to_bits) == other.map(f32::to_bits)
     }
 
     /// One step of one way, a call of its own: nothing is computed ahead, or together.
     #[inline(never)]
-    fn run<W: Way>(way: &mut W, step: &Step) -> reflex::airframe::MotorShares {
+    fn run<W: Way>(way: &mut W, step: &Step) -> MotorShares {
         measured(|| black_box(way).take(black_box(step)))
     }
 
@@ -95,6 +108,6 @@ mod program {
     /// Nothing is measured any more.
     #[inline(never)]
     fn done() {
-        black_box(());
+        black_box(true);
     }
 }

@@ -28,9 +28,8 @@ pub fn of_type(plan: &Plan) -> TokenStream {
         const INPUTS: ::reflex::dataflow::Dirty =
             ::reflex::dataflow::Dirty::CLEAN #(.or(Self::#inputs))*;
 
-        /// Time after which the inputs that gate have all come; zero where none gates.
-        pub const HYPERPERIOD: ::reflex::time::Duration =
-            ::reflex::time::Duration::from_ticks(#hyperperiod);
+        /// Time (us) after which the inputs that gate have all come; zero where none gates.
+        pub const HYPERPERIOD: u64 = #hyperperiod;
 
         /// Bytes of the stored values, one by one.
         pub const STORED_BYTES: usize = 0 #(+ ::core::mem::size_of::<#stored>())*;

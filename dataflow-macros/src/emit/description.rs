@@ -1,4 +1,4 @@
-//! The graph as data: for pictures and tables, dropped by the linker where nobody asks.
+//! The graph as data, for pictures and tables: nothing where nobody asks.
 
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};

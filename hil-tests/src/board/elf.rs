@@ -82,10 +82,7 @@ impl Elf {
     /// Both ways in which the compiler spells a path as a symbol put the length of each name
     /// before it.
     pub fn function(&self, path: &[&str]) -> Result<u32> {
-        let spelled: String = path
-            .iter()
-            .map(|name| format!("{}{name}", name.len()))
-            .collect();
+        let spelled = spelled(path);
         let found: Vec<u32> = self
             .functions
             .iter()
@@ -117,6 +114,41 @@ impl Elf {
             .collect())
     }
 
+    /// Writes over a constant in the image, before it is loaded: at most what it has room for.
+    ///
+    /// `path` is the end of its path, as in [`Self::function`].
+    ///
+    /// # Errors
+    /// There is no such constant, it is smaller, or it is not in the file.
+    pub fn overwrite(&mut self, path: &[&str], content: &[u8]) -> Result<()> {
+        let (name, spelled) = (path.join("::"), spelled(path));
+        let file = object::File::parse(&*self.bytes).context("the firmware is not an ELF file")?;
+        let symbol = file.symbols().find(|symbol| {
+            symbol.kind() == SymbolKind::Data
+                && symbol.name().is_ok_and(|name| name.contains(&spelled))
+        });
+        let symbol = symbol.with_context(|| format!("the firmware has no constant {name}"))?;
+        if symbol.size() < content.len() as u64 {
+            bail!(
+                "{name} holds {} bytes, not {}",
+                symbol.size(),
+                content.len()
+            );
+        }
+        let place = file.sections().find_map(|section| {
+            let (start, size) = section.file_range()?;
+            let offset = symbol.address().checked_sub(section.address())?;
+            (offset < section.size() && offset < size).then_some(start + offset)
+        });
+        let place = place.with_context(|| format!("{name} is not in the file"))? as usize;
+        let length = content.len();
+        let target = self.bytes.get_mut(place..place + length);
+        target
+            .with_context(|| format!("{name} ends behind the file"))?
+            .copy_from_slice(content);
+        Ok(())
+    }
+
     /// The stack's region, by the linker's symbols: it grows from the end
     /// towards the start.
     pub fn stack(&self) -> Result<Range<u32>> {
@@ -137,6 +169,12 @@ impl Elf {
         });
         format!("{} (pc {pc:#010x})", name.unwrap_or("unknown code"))
     }
+}
+
+/// A path as part of a symbol: the length of each name before it.
+fn spelled(path: &[&str]) -> String {
+    let names = path.iter().map(|name| format!("{}{name}", name.len()));
+    names.collect()
 }
 
 #[cfg(test)]

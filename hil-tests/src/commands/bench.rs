@@ -1,24 +1,33 @@
 //! `cargo hil bench`: what every part costs, and whether that is too much.
 
+use std::path::PathBuf;
+
 use anyhow::{Result, bail};
 use clap::Args;
 
 use super::bar::Bar;
 use crate::costs::{Costs, measure};
+use crate::flights::{Flight, Rotate};
 use crate::progress::Progress;
 
 /// How the costs are told.
-#[derive(Clone, Copy, Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(super) struct BenchArguments {
+    /// Recorded flights, whose runs every control logic is measured on too
+    #[arg(value_name = "LOG")]
+    logs: Vec<PathBuf>,
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
 }
 
 /// Measures, prints, and fails where a limit is passed.
-pub(super) fn run(arguments: BenchArguments) -> Result<()> {
+pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
+    let flights = arguments.logs.iter();
+    let flights = flights.map(|log| Flight::read(log, Rotate::Auto).map_err(anyhow::Error::from));
+    let flights = flights.collect::<Result<Vec<Flight>>>()?;
     let mut bar = Bar::new();
-    let costs = measure(&mut bar);
+    let costs = measure(&flights, &mut bar);
     bar.finish();
     let costs = costs?;
     let text = if arguments.json {
@@ -32,7 +41,7 @@ pub(super) fn run(arguments: BenchArguments) -> Result<()> {
 
 /// The same as a step of `cargo hil test`.
 pub(super) fn check(progress: &mut dyn Progress) -> Result<()> {
-    within_limits(&measure(progress)?)
+    within_limits(&measure(&[], progress)?)
 }
 
 fn within_limits(costs: &Costs) -> Result<()> {

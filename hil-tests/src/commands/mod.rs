@@ -67,7 +67,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let result = match &cli.command {
         Command::Replay(arguments) => replay::run(arguments),
-        Command::Bench(arguments) => bench::run(*arguments),
+        Command::Bench(arguments) => bench::run(arguments),
         Command::Graph(arguments) => graph::run(arguments),
         Command::Test => test::run(),
     };

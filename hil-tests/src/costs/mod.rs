@@ -3,6 +3,7 @@
 //! | file | measures |
 //! |---|---|
 //! | `parts` | parts of the library one by one, in a program of their own |
+//! | `logics`, `steps` | every control logic in four ways, on made-up steps and recorded flights |
 //! | `flight` | the firmware while it flies: handlers, interrupt to motors, locks |
 //! | `activations`, `locks` | who executed which instructions; how long idle holds a lock |
 //! | `table` | all of it, against its limits |
@@ -13,16 +14,23 @@
 mod activations;
 mod flight;
 mod locks;
+mod logics;
 mod parts;
+mod steps;
 mod table;
 #[cfg(test)]
 mod tests;
 
 use anyhow::Result;
+use clap::ValueEnum;
 
+pub use logics::{FlightCost, LogicCost, WayCost};
 pub use table::{Cost, Costs, Memory};
 
+use logics::LogicProgram;
+
 use crate::firmware::Firmware;
+use crate::flights::Flight;
 use crate::logics::LogicName;
 use crate::progress::Progress;
 
@@ -31,19 +39,25 @@ pub const CORE_HZ: u64 = 168_000_000;
 /// Most instructions under the lock that swaps a model: 5 us, in which no sample is late.
 const SWAP_LIMIT: u64 = 840;
 
-/// Builds and measures everything.
+/// Builds and measures everything; control logics over recorded flights too, where some are given.
 ///
 /// # Errors
 /// A program that cannot be built, a fault of the board, or a program that is not as expected.
-pub fn measure(progress: &mut dyn Progress) -> Result<Costs> {
+pub fn measure(flights: &[Flight], progress: &mut dyn Progress) -> Result<Costs> {
     let program = Firmware::build_parts(progress)?;
     let mut parts = parts::measure(program, progress)?;
+    let program = LogicProgram::build(progress)?;
+    let mut logics = program.measure()?;
+    for (name, cost) in LogicName::value_variants().iter().zip(&mut logics) {
+        cost.flights = program.measure_flights(*name, flights, progress)?;
+    }
     let firmware = Firmware::build(LogicName::configured(), progress)?;
     let flown = flight::measure(&firmware, progress)?;
     parts.extend(flown.parts);
     Ok(Costs {
         core_hz: CORE_HZ,
         parts,
+        logics,
         firmware: flown.memory,
         locks: flown.locks,
     })

@@ -39,40 +39,77 @@ impl Observer for Marks {
     }
 }
 
-/// Runs the program and counts.
+/// A program that measures between marks.
+pub(super) struct Program {
+    elf: Arc<Elf>,
+    options: Options,
+}
+
+impl Program {
+    pub(super) fn new(elf: &Arc<Elf>) -> Result<Self> {
+        let options = Options {
+            watches: vec![
+                Watched::Address(elf.function(&["program", "mark"])?),
+                Watched::Address(elf.function(&["program", "done"])?),
+            ],
+            flies: false,
+            ..Options::default()
+        };
+        Ok(Self {
+            elf: Arc::clone(elf),
+            options,
+        })
+    }
+
+    /// Instructions between each pair of marks, once the program is done.
+    pub(super) fn run(&self, sensors: Sensors) -> Result<Vec<u64>> {
+        self.watch(sensors, |_| ())
+    }
+
+    fn watch(&self, sensors: Sensors, mut told: impl FnMut(usize)) -> Result<Vec<u64>> {
+        let mut board = EmulatedBoard::boot(&self.elf, sensors, &self.options)?;
+        let mut marks = Marks::default();
+        while !marks.done && board.now_ns() < LONGEST_NS {
+            board.run_until(board.now_ns() + STEP_NS, &mut marks)?;
+            told(marks.at.len());
+        }
+        ensure!(
+            marks.done,
+            "the program was not done after {} s",
+            LONGEST_NS / 1_000_000_000
+        );
+        Ok(marks
+            .at
+            .chunks_exact(2)
+            .map(|pair| pair[1] - pair[0])
+            .collect())
+    }
+}
+
+/// Runs the program of the parts and counts.
 pub(super) fn measure(program: Firmware, progress: &mut dyn Progress) -> Result<Vec<Cost>> {
     progress.stage("Counting the parts");
     let elf = Arc::new(Elf::parse(program.bytes)?);
-    let options = Options {
-        watches: vec![
-            Watched::Address(elf.function(&["program", "mark"])?),
-            Watched::Address(elf.function(&["program", "done"])?),
-        ],
-        flies: false,
-        ..Options::default()
-    };
-    let mut board = EmulatedBoard::boot(&elf, at_rest(), &options)?;
-    let (mut marks, expected) = (Marks::default(), expected());
-    while !marks.done && board.now_ns() < LONGEST_NS {
-        board.run_until(board.now_ns() + STEP_NS, &mut marks)?;
-        progress.done(marks.at.len() as f64, expected as f64);
-    }
+    let expected = expected();
+    let pairs = Program::new(&elf)?.watch(at_rest(), |marks| {
+        progress.done(marks as f64, 2.0 * expected as f64);
+    })?;
     ensure!(
-        marks.done && marks.at.len() == expected,
-        "the parts ended at mark {} of {expected}",
-        marks.at.len()
+        pairs.len() == expected,
+        "the parts ended at measurement {} of {expected}",
+        pairs.len()
     );
-    Ok(costs(&marks.at))
+    Ok(costs(pairs))
 }
 
-/// Marks that all parts make.
+/// Measurements of all parts.
 fn expected() -> usize {
-    PARTS.iter().map(|part| 2 * part.rounds).sum()
+    PARTS.iter().map(|part| part.rounds).sum()
 }
 
-/// Instructions between each pair of marks, less those of a pair with nothing between.
-fn costs(marks: &[u64]) -> Vec<Cost> {
-    let mut pairs = marks.chunks_exact(2).map(|pair| pair[1] - pair[0]);
+/// Instructions of each measurement, less those of one of nothing.
+fn costs(measurements: Vec<u64>) -> Vec<Cost> {
+    let mut pairs = measurements.into_iter();
     let mut nothing = 0;
     let mut costs = Vec::new();
     for part in PARTS {
@@ -88,7 +125,7 @@ fn costs(marks: &[u64]) -> Vec<Cost> {
 }
 
 /// Chips that nobody talks to.
-fn at_rest() -> Sensors {
+pub(super) fn at_rest() -> Sensors {
     let source: Arc<dyn StimulusSource> = Arc::new(|_| Stimulus::default());
     let options = ChipOptions::default();
     Sensors {

@@ -3,6 +3,8 @@
 use anyhow::Result;
 use serde::Serialize;
 
+use super::logics::LogicCost;
+
 /// All costs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Costs {
@@ -10,6 +12,8 @@ pub struct Costs {
     pub core_hz: u64,
     /// The parts, in isolation and in flight.
     pub parts: Vec<Cost>,
+    /// Every control logic, in four ways.
+    pub logics: Vec<LogicCost>,
     /// Memory that the firmware takes.
     pub firmware: Memory,
     /// How long locks are held, without what preempts them.
@@ -85,13 +89,33 @@ impl Costs {
     #[must_use]
     pub fn over(&self) -> Option<String> {
         let mut all = self.parts.iter().chain(&self.locks);
-        let over = all.find(|cost| cost.is_over())?;
+        let Some(over) = all.find(|cost| cost.is_over()) else {
+            return self.logics.iter().find_map(LogicCost::over);
+        };
         Some(format!(
             "{} takes {} instructions, its limit is {}",
             over.name,
             over.instructions,
             over.limit.unwrap_or(0)
         ))
+    }
+
+    /// Instructions of every control logic, a row for each thing that changed.
+    fn logics_table(&self) -> String {
+        let row =
+            |[what, t, r, c, p]: [&str; 5]| format!("{what:<46} {t:>9} {r:>9} {c:>9} {p:>9}\n");
+        let head = [
+            "control logic, what changed",
+            "by clock",
+            "reactive",
+            "callbacks",
+            "pointers",
+        ];
+        let mut text = format!("\n{}", row(head));
+        for cells in self.logics.iter().flat_map(LogicCost::rows) {
+            text += &row([&cells[0], &cells[1], &cells[2], &cells[3], &cells[4]]);
+        }
+        text
     }
 
     /// A table for people.
@@ -111,6 +135,7 @@ impl Costs {
             ];
             text += &row(&cost.name, numbers.map(|number| number));
         }
+        text += &self.logics_table();
         let Memory { flash, ram, stack } = self.firmware;
         text += &format!(
             "\nInstructions, and their time at {} MHz.\n",

@@ -6,7 +6,7 @@ use crate::progress::Silent;
 
 #[test]
 fn two_measurements_are_equal_and_within_their_limits() {
-    let [first, second] = [(); 2].map(|()| measure(&mut Silent).expect("measured"));
+    let [first, second] = [(); 2].map(|()| measure(&[], &mut Silent).expect("measured"));
     assert_eq!(first, second);
     assert_eq!(first.over(), None);
 }
@@ -17,6 +17,7 @@ fn the_first_part_over_its_limit_is_named() {
     let mut costs = Costs {
         core_hz: CORE_HZ,
         parts: vec![cost("free", &[9], None), cost("test", &[60, 7], Some(60))],
+        logics: Vec::new(),
         firmware: Memory {
             flash: 1,
             ram: 2,

@@ -62,7 +62,7 @@ impl GraphData {
         Self {
             name: graph.name,
             doc: graph.doc,
-            hyperperiod_us: graph.hyperperiod.to_micros(),
+            hyperperiod_us: graph.hyperperiod,
             values: graph.values.iter().map(ValueData::of).collect(),
         }
     }

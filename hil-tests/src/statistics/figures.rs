@@ -13,10 +13,11 @@ use reflex::sensors::Input;
 use reflex::settings::Settings;
 
 use super::maximum_likelihood::Sample;
-use super::recorded::{flights, settings};
+use super::recorded::settings;
 use super::tap::{Lessons, changes_of, tap};
 use crate::flights::Flight;
 use crate::native::fly;
+use crate::recordings::flights;
 use crate::replay_options::ReplayOptions;
 
 /// Which inputs are shown, and in which of the settings: one in which the input is fitted.

@@ -5,30 +5,9 @@ use reflex::settings::Settings;
 
 use super::comparison::{Outcome, compare};
 use super::tap::tap;
-use crate::flights::{Flight, Rotate, sample_flight};
 use crate::native::fly;
-use crate::recordings::recording;
+use crate::recordings::flights;
 use crate::replay_options::ReplayOptions;
-
-/// Every recorded flight that is at hand, and the one that comes with the crates.
-pub(super) fn flights() -> Vec<Flight> {
-    const NAMES: [&str; 9] = [
-        "ansfl_phantom4_h11",
-        "ap33_solo_acro_crash_mpu6000_lsm303d",
-        "ap33_solo_loiter_mpu6000_lsm303d",
-        "bf42_gecko_cruise",
-        "bf42_kakutef7_ar8_hover",
-        "bf45_speedybee_freestyle",
-        "bf45_speedybee_freestyle_unfilt",
-        "px4_v5_hexa_vib",
-        "px4_v6c_quad_calm",
-    ];
-    let recorded = NAMES.map(|name| recording(&format!("csv/{name}.csv")));
-    let logs = recorded.into_iter().flatten();
-    logs.chain(sample_flight())
-        .map(|log| Flight::read(&log, Rotate::Auto).expect("a flight"))
-        .collect()
-}
 
 /// The triggers that make each of the leading inputs lead.
 pub(super) fn settings() -> [(&'static str, Settings); 3] {

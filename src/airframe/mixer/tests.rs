@@ -1,4 +1,4 @@
-//! All airframes: against allocations worked out by hand, and by rules for every demand.
+//! All airframes: allocations worked out by hand, and rules for every demand.
 
 use std::path::Path;
 use std::sync::LazyLock;

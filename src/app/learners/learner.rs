@@ -1,4 +1,4 @@
-//! One input: what it is measured against, what it learned, and how it goes on learning.
+//! One input: what it is measured against, what it learned, and how.
 
 use crate::airframe::MotorShares;
 use crate::config::{Changes, LABELS_OF_EACH_CLASS, LONGEST_WARM_UP, STABLE_CHANGE};

@@ -116,6 +116,7 @@ fn every_option_arrives() {
         seed: 9,
     };
     let expected = ReplayOptions {
+        logic: LogicName::configured(),
         log: Some("a.csv".into()),
         settings,
         duration_s: Some(20.0),

@@ -1,8 +1,10 @@
-//! The firmware's size against its budget, with the stack that a replay used.
+//! Flash, RAM and stack of the firmware with each control logic, against a budget.
 
 use anyhow::{Context, Result, ensure};
+use clap::ValueEnum;
 use serde::Deserialize;
 
+use crate::logics::LogicName;
 use crate::progress::Progress;
 use crate::replay::replay;
 use crate::replay_options::ReplayOptions;
@@ -17,14 +19,28 @@ struct Budget {
     ram_and_stack_bytes: u64,
 }
 
-/// Replays the default flight and compares what the firmware took.
+/// Replays the default flight with every control logic and compares what the firmware took.
+///
+/// A replay also shows that firmware and host come to the same commands.
 pub(super) fn check(progress: &mut dyn Progress) -> Result<()> {
     let file = toolchain::root().join("hil-tests/budget.toml");
     let text = std::fs::read_to_string(&file).with_context(|| file.display().to_string())?;
     let budget: Budget = toml::from_str(&text).with_context(|| file.display().to_string())?;
-    let report = replay(&ReplayOptions::default(), progress)?;
-    let firmware = report.about.firmware.context("no firmware was replayed")?;
-    budget.compare(&firmware)
+    let configured = LogicName::configured();
+    let others = LogicName::value_variants().iter();
+    let others = others.filter(|name| **name != configured);
+    // The configured one last: what follows uses the firmware that was built with it.
+    for logic in others.chain([&configured]) {
+        let options = ReplayOptions {
+            logic: *logic,
+            ..ReplayOptions::default()
+        };
+        let report = replay(&options, progress)?;
+        let firmware = report.about.firmware.context("no firmware was replayed")?;
+        let compared = budget.compare(&firmware);
+        compared.with_context(|| format!("with the control logic {}", logic.word()))?;
+    }
+    Ok(())
 }
 
 impl Budget {

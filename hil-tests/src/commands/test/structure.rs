@@ -28,7 +28,14 @@ struct Rule {
     broken_by: fn(&str) -> bool,
 }
 
-const EVERYWHERE: &[&str] = &["src/", "drivers/", "config/", "hil-tests/", "bench/"];
+const EVERYWHERE: &[&str] = &[
+    "src/",
+    "drivers/",
+    "config/",
+    "dataflow-macros/",
+    "hil-tests/",
+    "bench/",
+];
 
 const RULES: [Rule; 7] = [
     Rule {

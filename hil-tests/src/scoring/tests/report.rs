@@ -53,6 +53,7 @@ fn sensor(name: &str, state: ModelState) -> Sensor {
 
 fn options() -> Options {
     Options {
+        logic: "cascade".into(),
         rate_hz: None,
         reference: "last-run".to_owned(),
         triggers: vec!["gyro".to_owned()],

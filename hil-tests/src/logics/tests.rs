@@ -1,0 +1,113 @@
+//! Every logic comes to the same bits in every way, on every recorded flight.
+
+use reflex::airframe::MotorShares;
+use reflex::graph::{ArduCopter, Cascade, Cleanflight, OpenPilot};
+use reflex_bench::step::Step;
+use reflex_bench::ways::{Way, arducopter, cascade, cleanflight, openpilot};
+
+use super::*;
+use crate::native::fly;
+use crate::recordings::flights;
+use crate::replay_options::ReplayOptions;
+
+/// A logic in its four ways: time-triggered, ours, callbacks, pointer vector.
+type Ways = [Box<dyn Way>; 4];
+
+/// The logic of a name, at its start.
+fn ways(name: LogicName) -> Ways {
+    macro_rules! of {
+        ($module:ident::$graph:ident) => {
+            [
+                Box::new($module::straight_line::$graph::new()),
+                Box::new($graph::new()),
+                Box::new($module::callbacks::$graph::new()),
+                Box::new($module::pointer_vector::$graph::new()),
+            ]
+        };
+    }
+    match name {
+        LogicName::Cascade => of!(cascade::Cascade),
+        LogicName::ArduCopter => of!(arducopter::ArduCopter),
+        LogicName::Cleanflight => of!(cleanflight::Cleanflight),
+        LogicName::OpenPilot => of!(openpilot::OpenPilot),
+    }
+}
+
+fn bits(command: MotorShares) -> [u32; reflex::config::MOTORS] {
+    command.map(f32::to_bits)
+}
+
+/// Runs of every logic on every recorded flight, in reactive control.
+fn for_every_flight(check: impl Fn(LogicName, &str, Vec<Step>)) {
+    for flight in flights() {
+        for name in LogicName::value_variants() {
+            let options = ReplayOptions {
+                logic: *name,
+                ..ReplayOptions::default()
+            };
+            let calls = fly(&flight, &options).unwrap_or_else(|error| panic!("{error:#}"));
+            let steps = steps_of(&calls, options.settings, *name);
+            assert!(steps.len() > 1000, "{}", flight.name);
+            check(*name, &flight.name, steps);
+        }
+    }
+}
+
+#[test]
+fn callbacks_and_pointer_vectors_come_to_the_commands_of_ours() {
+    for_every_flight(|name, flight, steps| {
+        let [_, mut ours, mut callbacks, mut pointer_vector] = ways(name);
+        for (run, step) in steps.iter().enumerate() {
+            let expected = bits(ours.take(step));
+            for other in [callbacks.take(step), pointer_vector.take(step)] {
+                assert_eq!(
+                    bits(other),
+                    expected,
+                    "{} on {flight}, run {run}",
+                    name.word()
+                );
+            }
+        }
+    });
+}
+
+#[test]
+fn where_every_input_is_set_time_triggered_control_comes_to_the_commands_of_ours() {
+    for_every_flight(|name, flight, steps| {
+        let [mut time_triggered, mut ours, ..] = ways(name);
+        let mut whole = Step {
+            goal: Some(None),
+            place: Some(Place::default()),
+            ..Step::default()
+        };
+        for (run, step) in steps.iter().enumerate() {
+            whole = step.over(&whole);
+            if !whole.is_whole() {
+                continue;
+            }
+            let [expected, command] = [&mut time_triggered, &mut ours].map(|way| way.take(&whole));
+            assert_eq!(
+                bits(command),
+                bits(expected),
+                "{} on {flight}, run {run}",
+                name.word()
+            );
+        }
+    });
+}
+
+#[test]
+fn every_logic_goes_by_the_name_that_chooses_it() {
+    for name in LogicName::value_variants() {
+        let chosen = LogicName::from_str(name.word(), false);
+        assert_eq!(chosen.as_ref(), Ok(name));
+    }
+}
+
+#[test]
+fn a_graph_takes_the_bytes_of_its_values_and_a_word_for_what_changed() {
+    for name in LogicName::value_variants() {
+        let (bytes, stored) = name.bytes();
+        assert!(bytes <= stored + 8, "{}: {bytes}, {stored}", name.word());
+    }
+}
