@@ -7,6 +7,7 @@
 //! - [`native`]: the same flights without the emulator, a hundred times as fast
 //! - [`costs`]: instructions, memory and locks of the firmware, against limits
 //! - [`sweep`]: many of those over a grid of settings, drawn with [`plot`]
+//! - [`picture`]: control logics drawn as graphs
 //! - [`firmware`]: builds and measures the ELF, with the [`toolchain`] it needs
 //! - [`commands`]: the command line of `cargo hil`
 
@@ -18,6 +19,7 @@ pub mod firmware;
 pub mod flights;
 pub mod logics;
 pub mod native;
+pub mod picture;
 pub mod plot;
 pub mod progress;
 #[cfg(test)]

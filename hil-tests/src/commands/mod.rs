@@ -5,6 +5,7 @@
 
 mod bar;
 mod bench;
+mod graph;
 mod quantities;
 mod replay;
 mod replay_arguments;
@@ -44,6 +45,8 @@ enum Command {
     Replay(Box<replay_arguments::ReplayArguments>),
     /// Count the instructions of every part on the emulated core, against its limit
     Bench(bench::BenchArguments),
+    /// Draw a control logic as a graph, for Graphviz and as SVG
+    Graph(graph::GraphArguments),
     /// Run everything that continuous integration runs
     Test,
 }
@@ -65,6 +68,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let result = match &cli.command {
         Command::Replay(arguments) => replay::run(arguments),
         Command::Bench(arguments) => bench::run(arguments),
+        Command::Graph(arguments) => graph::run(arguments),
         Command::Test => test::run(),
     };
     match result {
