@@ -11,6 +11,7 @@
 
 mod call;
 mod chips;
+mod goals;
 mod hyperperiod;
 mod inputs;
 mod learners;
@@ -28,7 +29,6 @@ pub use types::{ChipOrder, Fault, Next, OrderError, Reason};
 
 use crate::estimate::{Arrival, GyroCalibration};
 use crate::graph::{ControlLogic, Flown};
-use crate::link::ExternalPose;
 use crate::reactive::{Exploration, Limits, Supervisor};
 use crate::safety::{Arming, MotorGate};
 use crate::settings::Settings;
@@ -53,7 +53,8 @@ pub struct Autopilot<R, L = Flown> {
     bias: Option<BodyRates>,
     arrival: Arrival,
     heading: Heading,
-    pose: Option<ExternalPose>,
+    /// When the newest place came.
+    placed_at: Option<Instant>,
     setpoints: SetpointWatch,
     liveness: Liveness,
 
@@ -107,7 +108,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             bias: None,
             arrival: Arrival::default(),
             heading: Heading::default(),
-            pose: None,
+            placed_at: None,
             setpoints: SetpointWatch::default(),
             liveness: Liveness::default(),
             graph,
@@ -165,12 +166,6 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// The oldest event that waits for the log.
     pub fn next_event(&mut self) -> Option<Event> {
         self.events.pop()
-    }
-
-    /// The newest position from outside.
-    #[must_use]
-    pub fn pose(&self) -> Option<&ExternalPose> {
-        self.pose.as_ref()
     }
 
     /// The control logic, for a host that looks at it while the autopilot lives.

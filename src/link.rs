@@ -2,9 +2,9 @@
 //!
 //! [`Parser`] turns bytes in any chunking into [`Incoming`] messages, [`Sender`] makes the
 //! few frames that the drone sends. Only what is flown is decoded: HEARTBEAT,
-//! SET_ATTITUDE_TARGET, COMMAND_LONG and ODOMETRY. The crate `mavlink` supplies the
-//! messages' layouts, checksums and enumerations; its reader is left out, because it decodes
-//! the whole dialect (hundreds of messages, more than the flash budget).
+//! SET_ATTITUDE_TARGET, SET_POSITION_TARGET_LOCAL_NED, COMMAND_LONG and ODOMETRY. The crate
+//! `mavlink` supplies the messages' layouts, checksums and enumerations; its reader is left out,
+//! because it decodes the whole dialect (hundreds of messages, more than the flash budget).
 //!
 //! Promises:
 //! - A malformed, truncated or implausible frame changes nothing and is counted
@@ -32,7 +32,7 @@ mod tests;
 
 pub use counters::LinkCounters;
 pub use encode::{Frame, LONGEST_FRAME_OUT, Sender, Status};
-pub use message::{Answer, ExternalPose, Message};
+pub use message::{Answer, Destination, ExternalPose, Message};
 pub use parser::{Feed, Incoming, Parser};
 pub use peers::Peer;
 

@@ -53,6 +53,10 @@ pub enum Event {
     Fault(Fault, u32),
     /// The peer's setpoints stopped: level, heading free.
     SetpointLost,
+    /// The peer's goals stopped: the last one's place is held.
+    GoalHeld,
+    /// Positions stopped while a goal was flown: level, heading free.
+    PlaceLost,
 }
 
 /// Room for events between two passes of idle.

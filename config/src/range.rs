@@ -71,6 +71,8 @@ ranges! {
     angle_quantum: f64 = |x| x > 0.0 && x <= 1.0, "above 0 and at most 1 rad";
     /// A rate in rad/s that counts as a change.
     rate_quantum: f64 = |x| x > 0.0 && x <= 10.0, "above 0 and at most 10 rad/s";
+    /// A distance in m that counts as a change.
+    position_quantum: f64 = |x| x > 0.0 && x <= 10.0, "above 0 and at most 10 m";
     /// The rates in Hz of the MPU6050 whose periods are whole milliseconds.
     imu_rate: u32 = |x| [1000, 500, 250, 200, 125, 100].contains(&x),
         "one of 1000 500 250 200 125 100 Hz";

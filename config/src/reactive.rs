@@ -246,6 +246,9 @@ pub struct Setpoint {
     /// Of a body rate, in rad/s, within (0, 10].
     #[serde(deserialize_with = "range::rate_quantum")]
     pub rate_quantum_rad_s: f64,
+    /// Of a place to fly to, in m, within (0, 10].
+    #[serde(deserialize_with = "range::position_quantum")]
+    pub position_quantum_m: f64,
     /// Steps in full thrust, one of which counts, 2 to 65535.
     #[serde(deserialize_with = "range::steps")]
     pub thrust_steps: u32,

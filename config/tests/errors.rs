@@ -33,6 +33,7 @@ reactive.toml | refit_interval_s = 0.5 | refit_interval_s = inf | learning.refit
 reactive.toml | exploration_share = 0.00048828125 | exploration_share = 0.2 | learning.exploration_share | 0 to 0.1
 reactive.toml | smallest_change = 0.005 | smallest_change = 0 | inputs.gyro.smallest_change | above 0
 reactive.toml | angle_quantum_rad = 0.02 | angle_quantum_rad = 2 | setpoint.angle_quantum_rad | at most 1 rad
+reactive.toml | position_quantum_m = 0.05 | position_quantum_m = 0 | setpoint.position_quantum_m | at most 10 m
 boards/reflex_f427.toml | imu_rate_hz = 1000 | imu_rate_hz = 8000 | sensors.imu_rate_hz | one of 1000 500
 boards/reflex_f427.toml | chip_accel_rate_hz = 100 | chip_accel_rate_hz = 1344 | sensors.chip_accel_rate_hz | one of 400 200
 boards/reflex_f427.toml | gyro_cutoff_hz = 80 | gyro_cutoff_hz = 2 | filters.gyro_cutoff_hz | 5 to 450 Hz

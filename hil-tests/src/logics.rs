@@ -11,6 +11,7 @@ use reflex::dataflow::{Description, Dirty};
 use reflex::estimate::{Motion, Place};
 use reflex::graph::{ArduCopter, Cascade, Cleanflight, ControlLogic, OpenPilot};
 use reflex::math::{Quaternion, Vec3};
+use reflex::units::Thrust;
 
 pub use tapped::steps_of;
 
@@ -121,6 +122,10 @@ impl ControlLogic for AnyLogic {
         whichever!(self, logic => logic.fly(setpoint));
     }
 
+    fn flies_to_goals(&self) -> bool {
+        whichever!(self, logic => logic.flies_to_goals())
+    }
+
     fn fly_to(&mut self, goal: Option<Goal>) {
         whichever!(self, logic => logic.fly_to(goal));
     }
@@ -143,6 +148,14 @@ impl ControlLogic for AnyLogic {
 
     fn flown(&self) -> &Setpoint {
         whichever!(self, logic => logic.flown())
+    }
+
+    fn flown_to(&self) -> Option<Goal> {
+        whichever!(self, logic => logic.flown_to())
+    }
+
+    fn collective(&self) -> Thrust {
+        whichever!(self, logic => logic.collective())
     }
 
     fn estimate(&self) -> Quaternion {

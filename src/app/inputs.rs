@@ -3,12 +3,12 @@
 use super::hyperperiod::GATES;
 use super::liveness::Sign;
 use super::setpoints::{SetpointWatch, moved};
-use super::{Autopilot, Call, Fault, Heading, Next, Reason, Recorder};
+use super::{Autopilot, Call, Fault, Next, Reason, Recorder};
 use crate::config::AEROBATICS;
 use crate::control::Setpoint;
 use crate::estimate::Motion;
 use crate::graph::ControlLogic;
-use crate::link::{Answer, ExternalPose, Message};
+use crate::link::{Answer, Message};
 use crate::math::{Vec3, atan2, wrapped};
 use crate::reactive::{FallbackReason, Phase, PhaseEvent};
 use crate::safety::{Arming, ArmingEvent, Refusal};
@@ -234,11 +234,18 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
                 self.on_pose(at, pose);
                 (Next::Wait, None)
             }
+            Message::Goal(destination) => {
+                self.on_goal(at, destination);
+                (Next::Wait, None)
+            }
         }
     }
 
     /// A setpoint joins: the next run uses it. It forces a run once it moved past its quantum.
     fn on_setpoint(&mut self, at: Instant, setpoint: &Setpoint) {
+        if self.graph.flown_to().is_some() {
+            self.setpoints = SetpointWatch::default();
+        }
         let first = self.setpoints.at.is_none();
         let turning = self.setpoints.take(at, self.graph.flown(), setpoint);
         if turning > AEROBATICS {
@@ -299,18 +306,5 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             }
         };
         self.move_phase(event);
-    }
-
-    fn on_pose(&mut self, at: Instant, pose: &ExternalPose) {
-        if let Some(attitude) = pose.attitude {
-            let error = wrapped(attitude.heading() - self.graph.estimate().heading());
-            self.heading = Heading {
-                // Once the pose falls silent, the field holds the heading that it left.
-                field: None,
-                error: Some((at, error)),
-                pose_at: Some(at),
-            };
-        }
-        self.pose = Some(*pose);
     }
 }

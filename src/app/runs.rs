@@ -1,15 +1,13 @@
 //! Runs: the graph propagates, the gate passes, what happened becomes labels.
 
-use super::setpoints::SetpointWatch;
 use super::{Autopilot, Call, Fault, Ran, Reason, Recorder};
-use crate::config::SETPOINT_TIMEOUT;
 use crate::control::Setpoint;
 use crate::estimate::GyroCalibration;
 use crate::graph::ControlLogic;
 use crate::reactive::{FallbackReason, Phase, PhaseEvent, differs};
 use crate::safety::{Arming, ArmingEvent, MotorOutput};
 use crate::telemetry::Event;
-use crate::time::{Instant, span};
+use crate::time::Instant;
 
 impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// The hyperperiod ended: control runs if a run is due.
@@ -75,7 +73,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     fn run(&mut self, now: Instant, reason: Reason) -> MotorOutput {
         self.check_gate(now);
         self.check_chips(now);
-        self.check_setpoint(now);
+        self.check_demand(now);
         let blind = self.supervisor.phase() == Phase::Fallback(FallbackReason::ImuLost);
         self.graph.go_blind(blind);
         let motion = self.arrival.take_motion();
@@ -104,6 +102,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         }
         self.judge_refits(now);
         self.schedule.on_run(now);
+        self.setpoints.on_run();
         self.learners.on_run(
             motion.sums.angle,
             self.supervisor.is_learning(),
@@ -132,9 +131,10 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         output
     }
 
-    /// A new setpoint, behind the motion that the one before led to.
+    /// A new setpoint, behind the motion that the one before led to; it ends a goal.
     pub(super) fn fly(&mut self, now: Instant, setpoint: Setpoint) {
         self.advance(now);
+        self.graph.fly_to(None);
         self.graph.fly(setpoint);
         self.graph.run();
     }
@@ -151,20 +151,6 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.graph.run();
             self.learners.on_advance(motion.sums.angle);
             self.advanced = true;
-        }
-    }
-
-    /// A peer that fell silent must not keep the drone leaning: level, heading free.
-    fn check_setpoint(&mut self, now: Instant) {
-        if self
-            .setpoints
-            .at
-            .is_some_and(|at| span(at, now) > SETPOINT_TIMEOUT)
-        {
-            self.setpoints = SetpointWatch::default();
-            let thrust = self.graph.flown().thrust;
-            self.fly(now, Setpoint::level(thrust));
-            self.events.push(Event::SetpointLost);
         }
     }
 }

@@ -11,89 +11,12 @@ use crate::settings::{Policy, WarmUp};
 use crate::time::{at_micros, micros, span};
 use crate::units::Thrust;
 
+use bench::{Bench, burst};
+
+mod bench;
 mod gaps;
+mod goals;
 mod supervision;
-
-impl Recorder for Vec<Stamped> {
-    fn record(&mut self, at: Instant, call: &Call) {
-        self.push(Stamped { at, call: *call });
-    }
-}
-
-/// A burst of a drone at rest that turns about roll at `rate` counts.
-fn burst(rate: i16) -> [u8; 15] {
-    let [high, low] = rate.to_be_bytes();
-    let [down, down_low] = (-2048i16).to_be_bytes();
-    [1, 0, 0, 0, 0, down, down_low, 0, 0, high, low, 0, 0, 0, 0]
-}
-
-/// A board that does what the firmware does, without one, and flies the cascade.
-struct Bench {
-    autopilot: Autopilot<Vec<Stamped>, Cascade>,
-    now: u64,
-    outputs: Vec<(u64, [f32; MOTORS])>,
-}
-
-impl Bench {
-    fn new(settings: Settings) -> Self {
-        Self {
-            autopilot: Autopilot::with_logic(settings, Vec::new(), Cascade::default()),
-            now: 0,
-            outputs: Vec::new(),
-        }
-    }
-
-    fn milliseconds(&mut self, count: u64, mut rate: impl FnMut(u64) -> Option<i16>) {
-        for _ in 0..count {
-            self.now += 1000;
-            let now = at_micros(self.now);
-            if self.autopilot.deadline() <= now
-                && let Some(output) = self.autopilot.on_timer(now)
-            {
-                self.outputs.push((self.now, output.share()));
-            }
-            if let Some(rate) = rate(self.now)
-                && self.autopilot.on_imu(now, &burst(rate)) == Next::Hyperperiod
-                && let Some(output) = self.autopilot.on_hyperperiod(now)
-            {
-                self.outputs.push((self.now, output.share()));
-            }
-            while let Some(job) = self.autopilot.refit_due(now) {
-                self.autopilot.on_refit(now, job.fit());
-            }
-        }
-    }
-
-    fn armed(settings: Settings) -> Self {
-        let mut bench = Self::new(settings);
-        bench.milliseconds(600, |_| Some(0));
-        bench.tell(&Message::Setpoint(Setpoint::level(
-            Thrust::new(0.5).expect("in range"),
-        )));
-        assert_eq!(bench.tell(&Message::Arm(true)), Some(Answer::Accepted));
-        bench
-    }
-
-    fn tell(&mut self, message: &Message) -> Option<Answer> {
-        let (_, answer) = self.autopilot.on_message(at_micros(self.now), message);
-        answer
-    }
-
-    fn phase(&self) -> Phase {
-        self.autopilot.telemetry().phase
-    }
-
-    fn reasons(&self) -> Vec<Reason> {
-        self.autopilot
-            .recorder
-            .iter()
-            .filter_map(|stamped| match stamped.call {
-                Call::Ran(ran) => Some(ran.reason),
-                _ => None,
-            })
-            .collect()
-    }
-}
 
 /// A gust every quarter second over a little noise, in counts.
 fn gusty(now: u64) -> Option<i16> {

@@ -92,7 +92,7 @@ numbered! {
         AccelStuck,
         /// The LSM303AGR's magnetometer repeats one sample, bit by bit.
         MagStuck,
-        /// A setpoint, a pose or a model with a value that is not finite: not used.
+        /// A setpoint, a goal, a pose or a model with a value that is not finite: not used.
         NotFinite,
         /// The control logic came to a command that is not finite: the applied one stayed.
         Command,
@@ -100,6 +100,8 @@ numbered! {
         LinkOverrun,
         /// A frame of the link was malformed, cut off or refused.
         LinkFrame,
+        /// A goal for a control logic without position loops, or without a fresh place: not used.
+        Goal,
     }
 }
 

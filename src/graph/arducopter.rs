@@ -124,7 +124,7 @@ pub fn mixed(torque: TorqueDemand, thrust: Thrust, hover: f32) -> Mixed {
 
 impl ControlLogic for ArduCopter {
     standard_inputs!("arducopter", RATE_D_CUTOFF);
-    place_inputs!();
+    place_inputs!(logic => *logic.thrust());
 
     fn align(&mut self, force: Vec3) {
         self.set_filter(self.filter().aligned(force));

@@ -138,7 +138,7 @@ pub fn mixed(torque: TorqueDemand, aim: &Aim) -> Mixed {
 
 impl ControlLogic for Cleanflight {
     standard_inputs!("cleanflight", RATE_D_CUTOFF);
-    place_inputs!();
+    place_inputs!(logic => logic.aim().thrust);
 
     fn align(&mut self, force: Vec3) {
         self.set_filter(self.filter().aligned(force));

@@ -5,6 +5,7 @@ use crate::control::{Goal, Setpoint};
 use crate::dataflow::{Description, Dirty};
 use crate::estimate::{Motion, Place};
 use crate::math::{Quaternion, Vec3};
+use crate::units::Thrust;
 
 /// A control logic: a graph with the inputs that the autopilot brings.
 ///
@@ -33,12 +34,15 @@ pub trait ControlLogic {
     /// A new setpoint.
     fn fly(&mut self, setpoint: Setpoint);
 
+    /// Whether it has position and altitude loops; where not, it takes no goal and no place.
+    fn flies_to_goals(&self) -> bool {
+        false
+    }
+
     /// A place to fly to, which goes before the setpoint; `None` lets the setpoint count again.
-    ///
-    /// Logics without position loops fly the setpoint all the same.
     fn fly_to(&mut self, _goal: Option<Goal>) {}
 
-    /// Where the drone is.
+    /// Where the drone is, since the run before: states count every place, so each needs its run.
     fn see(&mut self, _place: Place) {}
 
     /// Whether motion is no longer seen: then thrust is all that is commanded.
@@ -52,6 +56,16 @@ pub trait ControlLogic {
 
     /// The setpoint in force.
     fn flown(&self) -> &Setpoint;
+
+    /// The goal in force.
+    fn flown_to(&self) -> Option<Goal> {
+        None
+    }
+
+    /// The collective thrust that the last run asked of the mixer.
+    fn collective(&self) -> Thrust {
+        self.flown().thrust
+    }
 
     /// The attitude estimate of the last run.
     fn estimate(&self) -> Quaternion;
@@ -113,15 +127,28 @@ macro_rules! standard_inputs {
     };
 }
 
-/// The same for inputs of logics that fly to places.
+/// The same for inputs of logics that fly to places; says which thrust they came to.
 macro_rules! place_inputs {
-    () => {
+    ($logic:ident => $thrust:expr) => {
+        fn flies_to_goals(&self) -> bool {
+            true
+        }
+
         fn fly_to(&mut self, goal: Option<$crate::control::Goal>) {
             self.set_goal(goal);
         }
 
         fn see(&mut self, place: $crate::estimate::Place) {
             self.set_place(place);
+        }
+
+        fn flown_to(&self) -> Option<$crate::control::Goal> {
+            *self.goal()
+        }
+
+        fn collective(&self) -> $crate::units::Thrust {
+            let $logic = self;
+            $thrust
         }
     };
 }

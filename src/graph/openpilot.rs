@@ -168,7 +168,7 @@ pub fn mixed(torque: TorqueDemand, target: &Setpoint) -> Mixed {
 
 impl ControlLogic for OpenPilot {
     standard_inputs!("openpilot", RATE_D_CUTOFF);
-    place_inputs!();
+    place_inputs!(logic => logic.target().thrust);
 
     fn align(&mut self, force: Vec3) {
         self.set_filter(self.filter().aligned(force));

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | HEARTBEAT | [`Message::Heartbeat`] | never: that it arrived is what counts |
 //! | SET_ATTITUDE_TARGET | [`Message::Setpoint`] | see [`setpoint`] |
+//! | SET_POSITION_TARGET_LOCAL_NED | [`Message::Goal`] | see [`destination`] |
 //! | COMMAND_LONG | [`Message::Arm`] | any other command, or its parameter is not 0 or 1 |
 //! | ODOMETRY | [`Message::Pose`] | see [`pose`] |
 //!
@@ -11,13 +12,14 @@
 //! be large enough to overflow in the control logic.
 
 use super::framing::RawFrame;
-use super::{ARM_DISARM, COMPONENT, ExternalPose, Message, SYSTEM};
+use super::{ARM_DISARM, COMPONENT, Destination, ExternalPose, Message, SYSTEM};
 use crate::control::{Setpoint, Yaw};
-use crate::math::{Quaternion, Vec3};
+use crate::math::{Quaternion, Vec3, wrapped};
 use crate::units::{BodyRates, Position, Thrust, Velocity};
 use mavlink::dialects::common::{
     AttitudeTargetTypemask as Mask, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavFrame, ODOMETRY_DATA,
-    SET_ATTITUDE_TARGET_DATA,
+    PositionTargetTypemask as PositionMask, SET_ATTITUDE_TARGET_DATA,
+    SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 use mavlink::{MavlinkVersion, MessageData};
 
@@ -29,6 +31,9 @@ const LARGEST_DISTANCE: f32 = 100_000.0;
 
 /// Largest speed accepted, in m/s.
 const LARGEST_SPEED: f32 = 1000.0;
+
+/// Largest heading accepted, in rad: senders count from -pi or from zero, none further than 2 pi.
+const LARGEST_HEADING: f32 = core::f32::consts::TAU;
 
 /// Place of ODOMETRY's field `quality`, an extension that older senders leave out.
 const ODOMETRY_QUALITY: usize = 232;
@@ -55,6 +60,7 @@ pub(super) fn decode(frame: &RawFrame<'_>) -> Decoded {
     match frame.id {
         HEARTBEAT_DATA::ID => Decoded::Message(Message::Heartbeat),
         SET_ATTITUDE_TARGET_DATA::ID => attitude_target(payload),
+        SET_POSITION_TARGET_LOCAL_NED_DATA::ID => position_target(payload),
         COMMAND_LONG_DATA::ID => command(payload),
         ODOMETRY_DATA::ID => odometry(payload),
         _ => Decoded::Refused,
@@ -120,6 +126,61 @@ fn setpoint(target: &SET_ATTITUDE_TARGET_DATA) -> Option<Setpoint> {
             Yaw::Rate
         },
         thrust: Thrust::new(target.thrust)?,
+    })
+}
+
+fn position_target(payload: &[u8]) -> Decoded {
+    match SET_POSITION_TARGET_LOCAL_NED_DATA::deser(MavlinkVersion::V2, payload) {
+        Ok(target) if !for_us(target.target_system, target.target_component) => Decoded::NotForUs,
+        Ok(target) => {
+            destination(&target).map_or(Decoded::Refused, |it| Decoded::Message(Message::Goal(it)))
+        }
+        Err(_) => Decoded::Refused,
+    }
+}
+
+/// The place in a SET_POSITION_TARGET_LOCAL_NED; `None` where it is refused.
+///
+/// `type_mask` must ignore accelerations and yaw rate, and may ignore the three velocities
+/// together, for a place that does not move, and the yaw, for a heading that is kept. Fields
+/// that are ignored may hold anything; a yaw is wrapped to within -pi to pi.
+///
+/// Refused: every other mask (a position or a single velocity left out, accelerations or forces,
+/// a yaw rate); `coordinate_frame` other than MAV_FRAME_LOCAL_NED; a position, velocity or yaw
+/// that is not a number or beyond 100 km, 1000 m/s or 2 pi.
+fn destination(target: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Option<Destination> {
+    let always = PositionMask::POSITION_TARGET_TYPEMASK_AX_IGNORE
+        | PositionMask::POSITION_TARGET_TYPEMASK_AY_IGNORE
+        | PositionMask::POSITION_TARGET_TYPEMASK_AZ_IGNORE
+        | PositionMask::POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE;
+    let no_velocity = PositionMask::POSITION_TARGET_TYPEMASK_VX_IGNORE
+        | PositionMask::POSITION_TARGET_TYPEMASK_VY_IGNORE
+        | PositionMask::POSITION_TARGET_TYPEMASK_VZ_IGNORE;
+    let no_yaw = PositionMask::POSITION_TARGET_TYPEMASK_YAW_IGNORE;
+    let moves = !target.type_mask.contains(no_velocity);
+    let turns = !target.type_mask.contains(no_yaw);
+    let mut expected = always;
+    expected.set(no_velocity, !moves);
+    expected.set(no_yaw, !turns);
+    if target.type_mask != expected || target.coordinate_frame != MavFrame::MAV_FRAME_LOCAL_NED {
+        return None;
+    }
+    let position = Vec3::new(target.x, target.y, target.z);
+    let velocity = if moves {
+        within(Vec3::new(target.vx, target.vy, target.vz), LARGEST_SPEED)?
+    } else {
+        Vec3::ZERO
+    };
+    let heading = if turns {
+        let inside = target.yaw.abs() <= LARGEST_HEADING;
+        Some(inside.then(|| wrapped(target.yaw))?)
+    } else {
+        None
+    };
+    Some(Destination {
+        position: Position(within(position, LARGEST_DISTANCE)?),
+        velocity: Velocity(velocity),
+        heading,
     })
 }
 

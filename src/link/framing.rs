@@ -13,6 +13,7 @@ use mavlink::calculate_crc;
 use mavlink::consts::v2::{IFLAG_SIGNED, SIGNATURE_SIZE};
 use mavlink::dialects::common::{
     COMMAND_LONG_DATA, HEARTBEAT_DATA, ODOMETRY_DATA, SET_ATTITUDE_TARGET_DATA,
+    SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 use mavlink::{MAV_STX, MAV_STX_V2, MessageData};
 
@@ -105,6 +106,9 @@ fn checksum_extra(id: u32) -> Option<u8> {
     match id {
         HEARTBEAT_DATA::ID => Some(HEARTBEAT_DATA::EXTRA_CRC),
         SET_ATTITUDE_TARGET_DATA::ID => Some(SET_ATTITUDE_TARGET_DATA::EXTRA_CRC),
+        SET_POSITION_TARGET_LOCAL_NED_DATA::ID => {
+            Some(SET_POSITION_TARGET_LOCAL_NED_DATA::EXTRA_CRC)
+        }
         COMMAND_LONG_DATA::ID => Some(COMMAND_LONG_DATA::EXTRA_CRC),
         ODOMETRY_DATA::ID => Some(ODOMETRY_DATA::EXTRA_CRC),
         _ => None,

@@ -1,6 +1,6 @@
 //! The messages that the link brings to the autopilot, decoded and checked.
 
-use crate::control::Setpoint;
+use crate::control::{Goal, Setpoint};
 use crate::math::Quaternion;
 use crate::units::{Position, Velocity};
 
@@ -15,6 +15,29 @@ pub struct ExternalPose {
     pub attitude: Option<Quaternion>,
 }
 
+/// A place to fly to; as a [`Goal`], but for the heading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Destination {
+    /// Where to, in the local north-east-down frame.
+    pub position: Position,
+    /// Velocity with which the place itself moves; zero where the sender gives none.
+    pub velocity: Velocity,
+    /// Heading in rad within -pi to pi, where the sender gives one.
+    pub heading: Option<f32>,
+}
+
+impl Destination {
+    /// The goal, with a heading (rad) to hold where the sender gives none.
+    #[must_use]
+    pub fn goal(&self, heading: f32) -> Goal {
+        Goal {
+            position: self.position,
+            velocity: self.velocity,
+            heading: self.heading.unwrap_or(heading),
+        }
+    }
+}
+
 /// What a peer may tell the autopilot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Message {
@@ -26,6 +49,8 @@ pub enum Message {
     Arm(bool),
     /// Where the drone is (ODOMETRY).
     Pose(ExternalPose),
+    /// Where to fly (SET_POSITION_TARGET_LOCAL_NED).
+    Goal(Destination),
 }
 
 impl Message {
@@ -36,6 +61,11 @@ impl Message {
             Self::Heartbeat | Self::Arm(_) => true,
             Self::Setpoint(setpoint) => setpoint.rates.is_finite(),
             Self::Pose(pose) => pose.position.is_finite() && pose.velocity.is_finite(),
+            Self::Goal(goal) => {
+                goal.position.is_finite()
+                    && goal.velocity.is_finite()
+                    && goal.heading.is_none_or(f32::is_finite)
+            }
         }
     }
 }

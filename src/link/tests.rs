@@ -5,13 +5,14 @@ use crate::time::{Instant, at_micros};
 use mavlink::MessageData;
 use mavlink::dialects::common::{
     AttitudeTargetTypemask, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavCmd, MavFrame, ODOMETRY_DATA,
-    SET_ATTITUDE_TARGET_DATA,
+    PositionTargetTypemask, SET_ATTITUDE_TARGET_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, calculate_crc};
 
 extern crate std;
 use std::vec::Vec;
 
+mod goals;
 mod noise;
 mod reading;
 mod sending;
@@ -121,12 +122,34 @@ fn odometry() -> ODOMETRY_DATA {
     }
 }
 
+fn position_target() -> SET_POSITION_TARGET_LOCAL_NED_DATA {
+    SET_POSITION_TARGET_LOCAL_NED_DATA {
+        time_boot_ms: 77,
+        x: 1.0,
+        y: -2.0,
+        z: -3.0,
+        vx: 0.5,
+        vy: 0.25,
+        vz: -0.125,
+        afx: 9.0,
+        afy: 9.0,
+        afz: 9.0,
+        yaw: 0.5,
+        yaw_rate: 9.0,
+        type_mask: PositionTargetTypemask::from_bits_retain(64 | 128 | 256 | 2048),
+        target_system: SYSTEM,
+        target_component: COMPONENT,
+        coordinate_frame: MavFrame::MAV_FRAME_LOCAL_NED,
+    }
+}
+
 /// One frame of every message used.
-fn all_frames() -> [Vec<u8>; 4] {
+fn all_frames() -> [Vec<u8>; 5] {
     [
         frame(0, &HEARTBEAT_DATA::DEFAULT),
         frame(1, &attitude_target()),
         frame(2, &arm_command(1.0)),
         frame(3, &odometry()),
+        frame(4, &position_target()),
     ]
 }

@@ -199,6 +199,11 @@ pub(super) fn inputs(reactive: &Reactive, board: &Board) -> Vec<Constant> {
             "Move of a body rate setpoint that forces a run, in rad/s.",
         ),
         (
+            "SETPOINT_POSITION_QUANTUM",
+            float(setpoint.position_quantum_m),
+            "Move of a place to fly to that forces a run, in m.",
+        ),
+        (
             "SETPOINT_THRUST_QUANTUM",
             one_step(setpoint.thrust_steps),
             "Move of a thrust setpoint that forces a run, as a share.",

@@ -8,6 +8,7 @@ use reflex::estimate::{Motion, Place};
 use reflex::graph::ControlLogic;
 use reflex::math::{Quaternion, Vec3};
 use reflex::settings::Settings;
+use reflex::units::Thrust;
 use reflex_bench::step::Step;
 
 use super::{AnyLogic, LogicName};
@@ -71,6 +72,10 @@ impl ControlLogic for Tapped {
         self.next.setpoint = Some(setpoint);
     }
 
+    fn flies_to_goals(&self) -> bool {
+        self.logic.flies_to_goals()
+    }
+
     fn fly_to(&mut self, goal: Option<Goal>) {
         self.logic.fly_to(goal);
         self.next.goal = Some(goal);
@@ -97,6 +102,14 @@ impl ControlLogic for Tapped {
 
     fn flown(&self) -> &Setpoint {
         self.logic.flown()
+    }
+
+    fn flown_to(&self) -> Option<Goal> {
+        self.logic.flown_to()
+    }
+
+    fn collective(&self) -> Thrust {
+        self.logic.collective()
     }
 
     fn estimate(&self) -> Quaternion {

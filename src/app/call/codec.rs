@@ -4,7 +4,7 @@ use super::{DecodeError, LONGEST_RECORD};
 use crate::app::{ChipOrder, OrderError};
 use crate::config::MOTORS;
 use crate::control::{Setpoint, Yaw};
-use crate::link::{ExternalPose, Message};
+use crate::link::{Destination, ExternalPose, Message};
 use crate::math::{Quaternion, Vec3};
 use crate::sensors::Cause;
 use crate::units::{BodyRates, Position, Thrust, Velocity};
@@ -72,6 +72,13 @@ impl<'b> Encoder<'b> {
                 self.vector(pose.position.0);
                 self.vector(pose.velocity.0);
                 self.attitude(pose.attitude);
+            }
+            Message::Goal(goal) => {
+                self.byte(4);
+                self.vector(goal.position.0);
+                self.vector(goal.velocity.0);
+                self.byte(u8::from(goal.heading.is_some()));
+                self.float(goal.heading.unwrap_or_default());
             }
         }
     }
@@ -203,6 +210,15 @@ impl<'b> Decoder<'b> {
                 position: Position(self.vector()?),
                 velocity: Velocity(self.vector()?),
                 attitude: self.attitude()?,
+            }),
+            4 => Message::Goal(Destination {
+                position: Position(self.vector()?),
+                velocity: Velocity(self.vector()?),
+                heading: {
+                    let given = self.byte()? == 1;
+                    let heading = self.float()?;
+                    given.then_some(heading)
+                },
             }),
             other => return Err(DecodeError::Unknown(other)),
         })

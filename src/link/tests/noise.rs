@@ -116,8 +116,8 @@ fn every_byte_is_accounted_for() {
 
 /// A piece of a stream: a whole frame, part of one, or noise rich in starts of frames.
 fn piece() -> impl Strategy<Value = Vec<u8>> {
-    let whole = (0..4_usize).prop_map(|which| all_frames()[which].clone());
-    let part = (0..4_usize, 0..260_usize).prop_map(|(which, length)| {
+    let whole = (0..5_usize).prop_map(|which| all_frames()[which].clone());
+    let part = (0..5_usize, 0..260_usize).prop_map(|(which, length)| {
         let mut bytes = all_frames()[which].clone();
         bytes.truncate(length);
         bytes
@@ -170,14 +170,14 @@ proptest! {
 
     #[test]
     fn random_payloads_never_pass_a_value_that_is_no_number(
-        which in 1..4_usize,
+        which in 1..5_usize,
         bytes in proptest::collection::vec(any::<u8>(), 280),
     ) {
         let mut spoilt = all_frames()[which].clone();
         let end = spoilt.len() - 2;
         spoilt[10..end].copy_from_slice(&bytes[..end - 10]);
         let extra = [0, SET_ATTITUDE_TARGET_DATA::EXTRA_CRC, COMMAND_LONG_DATA::EXTRA_CRC,
-            ODOMETRY_DATA::EXTRA_CRC][which];
+            ODOMETRY_DATA::EXTRA_CRC, SET_POSITION_TARGET_LOCAL_NED_DATA::EXTRA_CRC][which];
         seal(&mut spoilt, extra);
         for incoming in messages(&spoilt) {
             let Incoming::Message { message, .. } = incoming else { continue };
@@ -185,6 +185,10 @@ proptest! {
                 Message::Setpoint(it) => prop_assert!(it.rates.is_finite()),
                 Message::Pose(it) => {
                     prop_assert!(it.position.is_finite() && it.velocity.is_finite());
+                }
+                Message::Goal(it) => {
+                    prop_assert!(it.position.is_finite() && it.velocity.is_finite());
+                    prop_assert!(it.heading.is_none_or(|heading| heading.abs() <= 3.2));
                 }
                 Message::Heartbeat | Message::Arm(_) => {}
             }

@@ -19,7 +19,7 @@ fn heartbeat(sequence: u8) -> Vec<u8> {
 fn all_messages_in_one_piece_are_read_in_order() {
     let bytes = all_frames().concat();
     let (found, counters) = read(&bytes);
-    assert_eq!(found.len(), 4);
+    assert_eq!(found.len(), 5);
     assert!(matches!(
         found[2],
         Incoming::Message {
@@ -30,7 +30,7 @@ fn all_messages_in_one_piece_are_read_in_order() {
     assert_eq!(
         counters,
         LinkCounters {
-            frames: 4,
+            frames: 5,
             ..LinkCounters::default()
         }
     );

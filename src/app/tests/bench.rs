@@ -1,0 +1,96 @@
+//! A board that does what the firmware does, without one.
+
+use super::*;
+
+impl Recorder for Vec<Stamped> {
+    fn record(&mut self, at: Instant, call: &Call) {
+        self.push(Stamped { at, call: *call });
+    }
+}
+
+/// A burst of a drone at rest that turns about roll at `rate` counts.
+pub fn burst(rate: i16) -> [u8; 15] {
+    let [high, low] = rate.to_be_bytes();
+    let [down, down_low] = (-2048i16).to_be_bytes();
+    [1, 0, 0, 0, 0, down, down_low, 0, 0, high, low, 0, 0, 0, 0]
+}
+
+/// A board that does what the firmware does, without one.
+///
+/// Whichever logic is built in: what is expected was worked out for the cascade.
+pub struct Bench<L = Cascade> {
+    pub autopilot: Autopilot<Vec<Stamped>, L>,
+    pub now: u64,
+    pub outputs: Vec<(u64, [f32; MOTORS])>,
+}
+
+impl Bench {
+    pub fn new(settings: Settings) -> Self {
+        Self::with_logic(settings, Cascade::default())
+    }
+
+    pub fn armed(settings: Settings) -> Self {
+        Self::new(settings).readied()
+    }
+}
+
+impl<L: ControlLogic> Bench<L> {
+    pub fn with_logic(settings: Settings, logic: L) -> Self {
+        Self {
+            autopilot: Autopilot::with_logic(settings, Vec::new(), logic),
+            now: 0,
+            outputs: Vec::new(),
+        }
+    }
+
+    /// The same, calibrated and armed, with a setpoint of half thrust.
+    pub fn readied(mut self) -> Self {
+        self.milliseconds(600, |_| Some(0));
+        self.tell(&Message::Setpoint(Setpoint::level(
+            Thrust::new(0.5).expect("in range"),
+        )));
+        assert_eq!(self.tell(&Message::Arm(true)), Some(Answer::Accepted));
+        self
+    }
+
+    pub fn milliseconds(&mut self, count: u64, mut rate: impl FnMut(u64) -> Option<i16>) {
+        for _ in 0..count {
+            self.now += 1000;
+            let now = at_micros(self.now);
+            if self.autopilot.deadline() <= now
+                && let Some(output) = self.autopilot.on_timer(now)
+            {
+                self.outputs.push((self.now, output.share()));
+            }
+            if let Some(rate) = rate(self.now)
+                && self.autopilot.on_imu(now, &burst(rate)) == Next::Hyperperiod
+                && let Some(output) = self.autopilot.on_hyperperiod(now)
+            {
+                self.outputs.push((self.now, output.share()));
+            }
+            while let Some(job) = self.autopilot.refit_due(now) {
+                self.autopilot.on_refit(now, job.fit());
+            }
+        }
+    }
+
+    pub fn tell(&mut self, message: &Message) -> Option<Answer> {
+        let (_, answer) = self.autopilot.on_message(at_micros(self.now), message);
+        answer
+    }
+
+    pub fn phase(&self) -> Phase {
+        self.autopilot.telemetry().phase
+    }
+
+    pub fn reasons(&self) -> Vec<Reason> {
+        self.autopilot
+            .recorder
+            .iter()
+            .filter_map(|stamped| match stamped.call {
+                Call::Ran(ran) => Some(ran.reason),
+                _ => None,
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,356 @@
+//! Goals and places: what is flown, what forces runs, and what silence leaves.
+
+use super::*;
+use crate::config::{SETPOINT_POSITION_QUANTUM, SETPOINT_TIMEOUT};
+use crate::graph::{ArduCopter, Cascade, Cleanflight, OpenPilot};
+use crate::link::{Destination, ExternalPose};
+use crate::math::{Quaternion, Vec3};
+use crate::units::{Position, Velocity};
+use proptest::prelude::*;
+
+fn pose(north: f32, heading: Option<f32>) -> Message {
+    Message::Pose(ExternalPose {
+        position: Position(Vec3::new(north, 0.0, -10.0)),
+        velocity: Velocity::default(),
+        attitude: heading.map(Quaternion::from_heading),
+    })
+}
+
+fn destination(north: f32) -> Destination {
+    Destination {
+        position: Position(Vec3::new(north, 0.0, -10.0)),
+        velocity: Velocity::default(),
+        heading: None,
+    }
+}
+
+fn goal(north: f32) -> Message {
+    Message::Goal(destination(north))
+}
+
+/// Milliseconds for which demands and places may fall silent.
+fn timeout() -> u64 {
+    SETPOINT_TIMEOUT.ticks() / 1000
+}
+
+impl<L: ControlLogic> Bench<L> {
+    /// Lets time pass, in which messages come every 20 ms.
+    fn told(&mut self, milliseconds: u64, messages: &[Message]) {
+        for _ in 0..milliseconds / 20 {
+            for message in messages {
+                self.tell(message);
+            }
+            self.milliseconds(20, gusty);
+        }
+    }
+
+    fn goal(&self) -> Option<crate::control::Goal> {
+        self.autopilot.graph.flown_to()
+    }
+
+    /// How often these events were told since the last look, of those that found room.
+    fn told_of(&mut self, event: Event) -> usize {
+        core::iter::from_fn(|| self.autopilot.next_event())
+            .filter(|told| *told == event)
+            .count()
+    }
+
+    /// Lets time pass and keeps the log empty, as idle does; how often it told of an event.
+    fn watched(&mut self, milliseconds: u64, messages: &[Message], event: Event) -> usize {
+        let step = |_| {
+            self.told(20, messages);
+            self.told_of(event)
+        };
+        (0..milliseconds / 20).map(step).sum()
+    }
+}
+
+/// Armed, and on its way to a goal of 5 m to the north.
+fn under_way<L: ControlLogic>(logic: L) -> Bench<L> {
+    let mut bench = Bench::with_logic(SETTINGS, logic).readied();
+    bench.told(20, &[pose(0.0, None)]);
+    bench.told(200, &[pose(0.0, None), goal(5.0)]);
+    assert_eq!(bench.goal().map(|goal| goal.position.0.x), Some(5.0));
+    bench
+}
+
+/// How much the shares of the front motors fall short of those behind.
+fn leaning_forward<L>(bench: &Bench<L>) -> f32 {
+    let shares = bench.outputs.last().expect("runs").1;
+    let arms = shares.iter().zip(crate::config::MOTOR_PITCH);
+    arms.map(|(share, pitch)| -share * pitch.signum()).sum()
+}
+
+fn a_goal_ahead_leans_forward<L: ControlLogic + Default>() {
+    let without_goal = {
+        let mut bench = Bench::with_logic(SETTINGS, L::default()).readied();
+        bench.told(220, &[pose(0.0, None)]);
+        leaning_forward(&bench)
+    };
+    let with_goal = leaning_forward(&under_way(L::default()));
+    assert!(
+        with_goal > without_goal + 0.05,
+        "{with_goal} {without_goal}"
+    );
+}
+
+#[test]
+fn a_goal_ahead_leans_every_logic_with_position_loops_forward() {
+    a_goal_ahead_leans_forward::<OpenPilot>();
+    a_goal_ahead_leans_forward::<ArduCopter>();
+    a_goal_ahead_leans_forward::<Cleanflight>();
+}
+
+#[test]
+fn places_carry_the_time_since_the_one_before_unless_that_is_long_ago() {
+    let mut bench = Bench::with_logic(SETTINGS, OpenPilot::default());
+    let mut dt_after = |milliseconds| {
+        bench.milliseconds(milliseconds, gusty);
+        bench.tell(&pose(0.0, None));
+        bench.autopilot.graph.place().dt
+    };
+    assert_eq!(dt_after(700), 0.0, "the first");
+    assert_eq!(dt_after(20), 0.02);
+    assert_eq!(dt_after(500), 0.5);
+    assert_eq!(dt_after(501), 0.0, "after a silence");
+    assert_eq!(dt_after(100), 0.1);
+}
+
+#[test]
+fn in_reactive_control_a_place_joins_and_the_foreseen_command_asks_for_the_run() {
+    let mut bench = Bench::with_logic(short_warm_up(), OpenPilot::default()).readied();
+    bench.told(6_000, &[pose(0.0, None), goal(0.0)]);
+    assert_eq!(bench.phase(), Phase::Reactive);
+    assert!(matches!(bench.autopilot.fit(Input::Command), Fit::Model(_)));
+    bench.milliseconds(3, |_| Some(0));
+    let before = bench.autopilot.recorder.len();
+    bench.tell(&pose(-3.0, None));
+    assert_eq!(bench.autopilot.recorder.len(), before + 1, "no run yet");
+    bench.milliseconds(1, |_| Some(0));
+    let ran = bench.autopilot.recorder[before..]
+        .iter()
+        .find_map(|stamped| match stamped.call {
+            Call::Ran(ran) => Some(ran),
+            _ => None,
+        })
+        .expect("the next sample brings a run");
+    assert_eq!(ran.reason, Reason::Trigger);
+    assert!(ran.asked.contains(Input::Command), "{:?}", ran.asked);
+}
+
+#[test]
+fn in_reactive_control_a_goal_past_its_quantum_forces_a_run() {
+    let mut bench = Bench::with_logic(
+        Settings {
+            triggers: Inputs::NONE.with(Input::Gyro),
+            ..short_warm_up()
+        },
+        OpenPilot::default(),
+    )
+    .readied();
+    bench.told(6_000, &[pose(0.0, None), goal(0.0)]);
+    let mut forces = |north| {
+        bench.milliseconds(1, gusty);
+        let runs = bench.reasons().len();
+        bench.tell(&goal(north));
+        bench.milliseconds(1, gusty);
+        bench.reasons()[runs..].contains(&Reason::Setpoint)
+    };
+    assert!(!forces(0.0));
+    assert!(!forces(0.9 * SETPOINT_POSITION_QUANTUM));
+    assert!(forces(2.0 * SETPOINT_POSITION_QUANTUM));
+}
+
+#[test]
+fn the_cascade_takes_no_goal_and_flies_as_without() {
+    let flown = |messages: &[Message]| {
+        let mut bench = Bench::with_logic(SETTINGS, Cascade::default()).readied();
+        bench.told(2 * timeout(), messages);
+        (bench.autopilot.faults(Fault::Goal), bench.outputs)
+    };
+    let (refused, outputs) = flown(&[pose(0.0, None), goal(5.0)]);
+    assert_eq!(refused, u32::try_from(timeout() / 10).expect("few"));
+    assert_eq!(
+        flown(&[]),
+        (0, outputs),
+        "its setpoint is lost all the same"
+    );
+}
+
+#[test]
+fn a_goal_without_a_fresh_place_is_refused_and_the_setpoint_keeps_its_timeout() {
+    let mut bench = Bench::with_logic(SETTINGS, OpenPilot::default()).readied();
+    bench.tell(&goal(5.0));
+    assert_eq!(
+        (bench.goal(), bench.autopilot.faults(Fault::Goal)),
+        (None, 1)
+    );
+    bench.told(20, &[pose(0.0, None)]);
+    assert_eq!(bench.watched(timeout() + 200, &[], Event::SetpointLost), 1);
+    bench.tell(&goal(5.0));
+    assert_eq!(bench.goal(), None, "the place is too old by now");
+}
+
+#[test]
+fn where_places_stop_a_goal_ends_level_at_the_thrust_last_commanded() {
+    let mut bench = under_way(OpenPilot::default());
+    let higher = Message::Goal(Destination {
+        position: Position(Vec3::new(5.0, 0.0, -11.0)),
+        ..destination(5.0)
+    });
+    bench.told(20, &[pose(0.0, None), higher]);
+    bench.told(timeout() - 100, &[higher]);
+    let thrust = bench.autopilot.graph.collective();
+    assert_ne!(thrust, bench.autopilot.graph.flown().thrust);
+    assert!(bench.goal().is_some());
+    assert_eq!(bench.watched(300, &[higher], Event::PlaceLost), 1);
+    assert_eq!(bench.goal(), None);
+    assert_eq!(*bench.autopilot.graph.flown(), Setpoint::level(thrust));
+    bench.told(100, &[higher]);
+    assert_eq!(bench.goal(), None, "until places come again");
+    bench.told(40, &[pose(0.0, None), higher]);
+    assert!(bench.goal().is_some());
+}
+
+#[test]
+fn a_silent_peer_leaves_the_last_goal_held_as_long_as_places_come() {
+    let mut bench = under_way(OpenPilot::default());
+    let moving = Destination {
+        velocity: Velocity(Vec3::new(2.0, 0.0, 0.0)),
+        ..destination(5.0)
+    };
+    bench.told(20, &[pose(0.0, None), Message::Goal(moving)]);
+    let flown = bench.goal().expect("flown");
+    assert_eq!(flown.velocity, moving.velocity);
+    let places = [pose(0.0, None)];
+    assert_eq!(bench.watched(5 * timeout(), &places, Event::GoalHeld), 1);
+    let held = crate::control::Goal {
+        velocity: Velocity::default(),
+        ..flown
+    };
+    assert_eq!(bench.goal(), Some(held), "it no longer moves");
+    assert_eq!(bench.watched(2 * timeout(), &[], Event::PlaceLost), 1);
+    assert_eq!(bench.goal(), None);
+}
+
+#[test]
+fn the_newest_demand_counts() {
+    let mut bench = under_way(OpenPilot::default());
+    let level = Setpoint::level(Thrust::new(0.4).expect("in range"));
+    bench.told(20, &[pose(0.0, None), Message::Setpoint(level)]);
+    assert_eq!(bench.goal(), None);
+    assert_eq!(bench.autopilot.graph.collective(), level.thrust);
+    bench.told(20, &[pose(0.0, None), goal(7.0)]);
+    assert_eq!(bench.goal().map(|goal| goal.position.0.x), Some(7.0));
+    // Goals keep it alive in the setpoint's stead.
+    let alive = [pose(0.0, None), goal(7.0)];
+    assert_eq!(bench.watched(2 * timeout(), &alive, Event::SetpointLost), 0);
+}
+
+#[test]
+fn without_a_heading_the_one_at_the_beginning_is_kept() {
+    let mut bench = Bench::with_logic(SETTINGS, OpenPilot::default()).readied();
+    bench.told(3_000, &[pose(0.0, Some(0.6))]);
+    let heading = bench.autopilot.graph.estimate().heading();
+    assert!(heading > 0.01, "the estimate follows slowly: {heading}");
+    bench.tell(&goal(5.0));
+    assert_eq!(bench.goal().map(|goal| goal.heading), Some(heading));
+    bench.told(3_000, &[pose(0.0, Some(-0.6)), goal(6.0)]);
+    assert_eq!(bench.goal().map(|goal| goal.heading), Some(heading));
+    let turned = Destination {
+        heading: Some(-0.6),
+        ..destination(6.0)
+    };
+    bench.tell(&Message::Goal(turned));
+    assert_eq!(bench.goal().map(|goal| goal.heading), Some(-0.6));
+}
+
+#[test]
+fn disarming_ends_the_goal() {
+    let mut bench = under_way(OpenPilot::default());
+    bench.tell(&Message::Arm(false));
+    assert_eq!(bench.goal(), None);
+    assert_eq!(*bench.autopilot.graph.flown(), Setpoint::default());
+}
+
+#[test]
+fn on_the_ground_a_goal_that_nobody_repeats_is_forgotten() {
+    let mut bench = under_way(OpenPilot::default());
+    bench.tell(&Message::Arm(false));
+    bench.told(40, &[pose(0.0, None), goal(5.0)]);
+    assert!(bench.goal().is_some());
+    let places = [pose(0.0, None)];
+    assert_eq!(
+        bench.watched(timeout() + 200, &places, Event::SetpointLost),
+        1
+    );
+    assert_eq!(bench.goal(), None);
+    assert_eq!(*bench.autopilot.graph.flown(), Setpoint::default());
+}
+
+#[test]
+fn goals_and_poses_that_are_no_numbers_are_counted_and_reach_nothing() {
+    let mut bench = under_way(OpenPilot::default());
+    let (before, place) = (bench.goal(), *bench.autopilot.graph.place());
+    let nowhere = Velocity(Vec3::new(0.0, f32::INFINITY, 0.0));
+    bench.tell(&goal(f32::NAN));
+    bench.tell(&Message::Goal(Destination {
+        velocity: nowhere,
+        ..destination(0.0)
+    }));
+    bench.tell(&Message::Goal(Destination {
+        heading: Some(f32::NAN),
+        ..destination(0.0)
+    }));
+    bench.tell(&pose(f32::NEG_INFINITY, None));
+    assert_eq!(bench.autopilot.faults(Fault::NotFinite), 4);
+    assert_eq!(
+        (bench.goal(), *bench.autopilot.graph.place()),
+        (before, place)
+    );
+}
+
+#[test]
+fn a_recorded_flight_to_a_goal_gives_the_same_commands_bit_for_bit() {
+    let mut bench = Bench::with_logic(short_warm_up(), OpenPilot::default()).readied();
+    for step in 0..250u8 {
+        let north = 0.02 * f32::from(step);
+        bench.told(20, &[pose(north, Some(0.1)), goal(north + 1.0)]);
+    }
+    assert_eq!(bench.phase(), Phase::Reactive);
+    bench.told(3_000, &[pose(5.0, None)]);
+    bench.told(3_000, &[]);
+    let mut again = Autopilot::with_logic(short_warm_up(), Vec::new(), OpenPilot::default());
+    for stamped in &bench.autopilot.recorder {
+        let mut buffer = [0; LONGEST_RECORD];
+        let (read, _) = Stamped::decode(stamped.encode(&mut buffer)).expect("a record");
+        read.call.replay(read.at, &mut again);
+    }
+    assert!(bench.autopilot.recorder == again.recorder);
+}
+
+proptest! {
+    #[test]
+    fn every_goal_survives_its_bytes_bit_for_bit(
+        bits in prop::array::uniform7(any::<u32>()), given: bool, at: u64,
+    ) {
+        let [x, y, z, vx, vy, vz, heading] = bits.map(f32::from_bits);
+        let destination = Destination {
+            position: Position(Vec3::new(x, y, z)),
+            velocity: Velocity(Vec3::new(vx, vy, vz)),
+            heading: given.then_some(heading),
+        };
+        let sent = Stamped { at: at_micros(at), call: Call::Message(Message::Goal(destination)) };
+        let mut buffer = [0; LONGEST_RECORD];
+        let bytes = sent.encode(&mut buffer).to_vec();
+        prop_assert_eq!(bytes.len(), 1 + 8 + 1 + 24 + 5);
+        let (read, length) = Stamped::decode(&bytes).expect("a record");
+        prop_assert_eq!(length, bytes.len());
+        // Not a number equals nothing: its bytes do.
+        let mut again = [0; LONGEST_RECORD];
+        prop_assert_eq!(read.encode(&mut again), &bytes[..]);
+        for end in 0..bytes.len() {
+            prop_assert_eq!(Stamped::decode(&bytes[..end]), Err(DecodeError::Incomplete));
+        }
+    }
+}
