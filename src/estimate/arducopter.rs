@@ -6,7 +6,7 @@
 //! summed its direction over every sample. A quaternion stands for the matrix.
 
 use super::Increment;
-use super::attitude::in_small_turns;
+use super::attitude::turned;
 use crate::config::arducopter::{
     DRIFT_LIMIT, ESTIMATE_HEADING_I as HEADING_I, ESTIMATE_HEADING_P as HEADING_P,
     ESTIMATE_TILT_I as TILT_I, ESTIMATE_TILT_P as TILT_P,
@@ -21,8 +21,26 @@ const DRIFT_SPIN: f32 = 0.349;
 ///
 /// Turning integrates the errors of scale and alignment.
 const SLOW_SPIN: f32 = 0.873;
+/// Time constant (s) of the spin that is judged: the original looks at it every 0.2 s.
+///
+/// Judged by the mean rate since the last run, a shake would be fast or slow by how long that is.
+const SPIN_TIME: f32 = 0.2;
+/// The fastest rates that are believed, in rad/s: the MPU6050's range.
+const FASTEST: Vec3 = Vec3::new(35.0, 35.0, 35.0);
 /// The most drift that is believed, in rad/s: more was taken out at rest.
 const MOST_DRIFT: Vec3 = Vec3::new(0.1, 0.1, 0.1);
+
+/// For how long (s) drift is learned before it counts.
+///
+/// A change is limited by the time that it took: judged over less, noise would reach the limit,
+/// and what is learned would depend on how often control runs.
+const DRIFT_WINDOW: f32 = 5.0;
+
+/// The most by which drift changes in a window, in rad/s.
+const MOST_CHANGE: Vec3 = {
+    const MOST: f32 = DRIFT_LIMIT * DRIFT_WINDOW;
+    Vec3::new(MOST, MOST, MOST)
+};
 
 /// Attitude, body to Earth, and what the gyroscope lacks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,6 +48,14 @@ pub struct DriftFilter {
     attitude: Quaternion,
     /// To be added to the rates, in rad/s.
     drift: Vec3,
+    /// Low-passed rates, in rad/s.
+    rates: Vec3,
+    /// By how much the drift seems to have changed in the window, in rad/s.
+    learned: Vec3,
+    /// How much of the window is over, in s.
+    learning: f32,
+    /// The turn (rad) that the last step put right, in the axes that it began with.
+    correction: Vec3,
 }
 
 impl DriftFilter {
@@ -50,6 +76,12 @@ impl DriftFilter {
         self.attitude
     }
 
+    /// The turn (rad, body axes) that corrected the last step, beside the motion.
+    #[must_use]
+    pub fn correction(&self) -> Vec3 {
+        self.correction
+    }
+
     /// The filter after the motion since the last run; without time it is as it was.
     ///
     /// `heading_error` is by how much (rad, clockwise) the heading falls short of a measured
@@ -61,28 +93,66 @@ impl DriftFilter {
         }
         let down = self.attitude.down_in_body();
         let heading = down * (heading_error.unwrap_or(0.0) * motion.dt);
-        let spin = motion.angle.norm() / motion.dt;
-        let pull = between(spin * (1.0 / SLOW_SPIN), 1.0, 10.0);
+        let rates = self.rates_after(motion);
+        let spins = [self.rates.norm(), rates.norm()];
+        let pull = 0.5 * spins.iter().map(|&spin| pull(spin)).sum::<f32>();
         // The error shrinks as it is corrected, by half of that in the mean. Down may also be
         // seen the wrong way round, which must not turn this into a division by zero.
         let slowing = 1.0 + 0.5 * TILT_P * pull * motion.down.dot(down).abs();
         let tilt = motion.down.cross(down) * (1.0 / slowing);
         let correction = (tilt * TILT_P + heading * HEADING_P) * pull;
-        let drift = if spin < DRIFT_SPIN {
-            let most = DRIFT_LIMIT * motion.dt;
-            let learned = tilt * TILT_I + heading * HEADING_I;
-            (self.drift + learned.limited(Vec3::new(most, most, most))).limited(MOST_DRIFT)
-        } else {
-            self.drift
-        };
-        // First the correction, in the axes that the sums began with, then the motion.
-        let turn = motion.angle + motion.coning + self.drift * motion.dt;
-        let turn = turn + correction + correction.cross(turn) * 0.5;
+        let correction = correction + self.drift * motion.dt;
+        let step = tilt * TILT_I + heading * HEADING_I;
         Self {
-            attitude: in_small_turns(self.attitude, turn),
-            drift,
+            attitude: turned(self.attitude, motion, correction),
+            rates,
+            correction,
+            ..self.learned(step, motion.dt, slow_share(spins))
         }
     }
+
+    /// The low-passed rates after this motion.
+    fn rates_after(&self, motion: &Increment) -> Vec3 {
+        let kept = libm::expf(motion.dt * (-1.0 / SPIN_TIME));
+        let mean = motion.angle * (1.0 / motion.dt);
+        (mean + (self.rates - mean) * kept).limited(FASTEST)
+    }
+
+    /// What is known of the drift after `dt` (s) in which it seemed to change by `step` (rad/s).
+    ///
+    /// Of both this `share` counts.
+    fn learned(&self, step: Vec3, dt: f32, share: f32) -> Self {
+        let counted = dt * share;
+        let left = DRIFT_WINDOW - self.learning;
+        if counted < left {
+            return Self {
+                learned: self.learned + step * share,
+                learning: self.learning + counted,
+                ..*self
+            };
+        }
+        // What is behind the window's end belongs to the next one, however long the step.
+        let within = step * (left / dt);
+        let change = (self.learned + within).limited(MOST_CHANGE);
+        Self {
+            drift: (self.drift + change).limited(MOST_DRIFT),
+            learned: step * share - within,
+            learning: counted - left,
+            ..*self
+        }
+    }
+}
+
+/// How much corrections grow with a spin (rad/s).
+fn pull(spin: f32) -> f32 {
+    between(spin * (1.0 / SLOW_SPIN), 1.0, 10.0)
+}
+
+/// The share of a stretch in which a spin (rad/s), from its start to its end, lets drift be learned.
+fn slow_share([start, end]: [f32; 2]) -> f32 {
+    let (least, most) = (start.min(end), start.max(end));
+    // Two spins that differ by nothing are both slow or both fast.
+    between((DRIFT_SPIN - least) / (most - least).max(1e-6), 0.0, 1.0)
 }
 
 #[cfg(test)]
@@ -170,6 +240,31 @@ mod tests {
             }
             prop_assert!(often.attitude().error_to(rarely.attitude()).max_norm() < 5e-3);
             prop_assert!((often.drift - rarely.drift).max_norm() < 1e-5);
+        }
+
+        #[test]
+        fn noise_in_gravity_teaches_rare_steps_the_drift_of_frequent_ones(
+            lean in -0.02f32..0.02, noise in 0.0f32..0.5, shake in 0.0f32..1.0
+        ) {
+            let (mut often, mut rarely) = (DriftFilter::default(), DriftFilter::default());
+            for _ in 0..300 {
+                let mut sum = Increment::default();
+                for sample in 0..50u8 {
+                    let sign = if sample % 2 == 0 { 1.0 } else { -1.0 };
+                    let motion = Increment {
+                        angle: Vec3::new(shake * sign, 0.0, 0.0) * 0.001,
+                        down: Vec3::new(0.0, lean + noise * sign, 1.0) * 0.001,
+                        dt: 0.001,
+                        ..Increment::default()
+                    };
+                    often = often.after(&motion, None);
+                    sum.angle += motion.angle;
+                    sum.down += motion.down;
+                    sum.dt += motion.dt;
+                }
+                rarely = rarely.after(&sum, None);
+            }
+            prop_assert!((often.drift - rarely.drift).max_norm() < 2e-5, "{often:?} {rarely:?}");
         }
 
         #[test]

@@ -6,8 +6,10 @@
 //! - A correction of gain `k` over a time `t` closes the share `1 - exp(-k t)` of an error, here
 //!   `k t / (1 + k t / 2)`, which is that within `(k t)^3 / 12`: a run after 0.1 s corrects what a
 //!   hundred loops do.
-//! - The accelerometer is used or not for a whole run: by the mean trust that the arrival stage
-//!   gave each sample, which 0.9 and 1.1 g earn just enough of.
+//! - The original takes an accelerometer between 0.9 and 1.1 g as it is and any other not at all.
+//!   In place of that gate stands the trust that the arrival stage gives each sample, from one at
+//!   1 g, over 0.8 where the gate was, to none 0.5 g off. Its sums enter linearly: a gate on
+//!   their mean would let pass or lose a whole run, by how long that happened to be.
 //! - The magnetometer comes as an error of the heading. In the original the horizontal share of
 //!   the field enters twice, as the sine of the error between two vectors of that length.
 //! - "Not armed" is read as "no thrust is asked for".
@@ -15,16 +17,13 @@
 use super::Increment;
 use super::attitude::turned;
 use crate::config::cleanflight::{
-    ESTIMATE_ACCEL_BAND, ESTIMATE_DCM_KI, ESTIMATE_DCM_KP, ESTIMATE_FAST, ESTIMATE_FAST_FACTOR,
+    ESTIMATE_DCM_KI, ESTIMATE_DCM_KP, ESTIMATE_FAST, ESTIMATE_FAST_FACTOR,
     ESTIMATE_HORIZONTAL_FIELD, ESTIMATE_SPIN_LIMIT,
 };
 use crate::math::{Quaternion, Vec3, limited, sin_cos, wrapped};
 
 /// The largest bias that is learned, in rad/s: a healthy MPU6050 has less at rest.
 const LARGEST_BIAS: f32 = 0.5;
-
-/// The trust of the arrival stage in a force that is off 1 g by just the band.
-const LEAST_TRUST: f32 = 1.0 - 2.0 * ESTIMATE_ACCEL_BAND;
 
 /// What tells the estimate's errors, beside the motion itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,6 +42,8 @@ pub struct MahonyFilter {
     feedback: Vec3,
     /// The turn (rad) that the last step put right, in the axes that it began with.
     correction: Vec3,
+    /// Down in those axes, as estimated then.
+    down: Vec3,
     /// Time since the start in s, counted as long as it matters.
     age: f32,
 }
@@ -71,6 +72,12 @@ impl MahonyFilter {
         self.correction
     }
 
+    /// Down in body axes, as estimated where the last step began.
+    #[must_use]
+    pub fn down_before(&self) -> Vec3 {
+        self.down
+    }
+
     /// The estimate after the motion since the last run; `dt` of zero advances nothing.
     #[must_use]
     pub fn after(&self, motion: &Increment, evidence: Evidence) -> Self {
@@ -78,47 +85,46 @@ impl MahonyFilter {
         if dt <= 0.0 {
             return *self;
         }
-        let [tilt, heading] = self.errors(motion, evidence.heading_error);
+        let down = self.attitude.down_in_body();
+        let [tilt, heading] = errors(down, motion, evidence.heading_error);
         let feedback = self.learned(tilt + heading, motion);
         let fast = evidence.standing && self.age < ESTIMATE_FAST;
         let gain = ESTIMATE_DCM_KP * if fast { ESTIMATE_FAST_FACTOR } else { 1.0 };
         // The tilt's error shrinks as it is corrected, a measured error of the heading stands.
-        let shrunk = 1.0 / (1.0 + 0.5 * gain * dt);
-        let correction = (tilt * shrunk + heading) * (gain * dt) + feedback * dt;
+        // Seen the wrong way round, down must not turn this into a division by zero.
+        let seen = motion.down.dot(down).abs();
+        let shrunk = 1.0 / (1.0 + 0.5 * gain * seen);
+        let correction = (tilt * shrunk + heading) * gain + feedback * dt;
         let attitude = turned(self.attitude, motion, correction);
         Self {
             // Past a turn that the polynomials can take, the old attitude is the better guess.
             attitude: Quaternion::from_array(attitude.to_array()).unwrap_or(self.attitude),
             feedback,
             correction,
+            down,
             age: (self.age + dt).min(ESTIMATE_FAST),
         }
     }
 
-    /// The turns, as sines in body axes, that gravity and the magnetometer ask for.
-    fn errors(&self, motion: &Increment, heading_error: Option<f32>) -> [Vec3; 2] {
-        const SHARE: f32 = ESTIMATE_HORIZONTAL_FIELD * ESTIMATE_HORIZONTAL_FIELD;
-        let down = self.attitude.down_in_body();
-        let off = sin_cos(wrapped(heading_error.unwrap_or(0.0))).0;
-        let towards_heading = down * (SHARE * limited(off, 1.0));
-        let trusted = motion.down.norm();
-        let towards_gravity = if trusted > LEAST_TRUST * motion.dt {
-            motion.down.cross(down) * (1.0 / trusted)
-        } else {
-            Vec3::ZERO
-        };
-        [towards_gravity, towards_heading]
-    }
-
-    /// The integral feedback after this motion.
+    /// The integral feedback after this motion, and an error (rad s) integrated over it.
     fn learned(&self, error: Vec3, motion: &Increment) -> Vec3 {
         let spinning = motion.angle.norm() >= ESTIMATE_SPIN_LIMIT * motion.dt;
         if ESTIMATE_DCM_KI <= 0.0 || spinning {
             return self.feedback;
         }
         let most = Vec3::new(LARGEST_BIAS, LARGEST_BIAS, LARGEST_BIAS);
-        (self.feedback + error * (ESTIMATE_DCM_KI * motion.dt)).limited(most)
+        (self.feedback + error * ESTIMATE_DCM_KI).limited(most)
     }
+}
+
+/// The turns that gravity and the magnetometer ask for where `down` is estimated there.
+///
+/// As sines in body axes, integrated over the motion, in rad s.
+fn errors(down: Vec3, motion: &Increment, heading_error: Option<f32>) -> [Vec3; 2] {
+    const SHARE: f32 = ESTIMATE_HORIZONTAL_FIELD * ESTIMATE_HORIZONTAL_FIELD;
+    let off = sin_cos(wrapped(heading_error.unwrap_or(0.0))).0;
+    let towards_heading = down * (SHARE * limited(off, 1.0) * motion.dt);
+    [motion.down.cross(down), towards_heading]
 }
 
 #[cfg(test)]
@@ -166,9 +172,31 @@ mod tests {
     }
 
     #[test]
-    fn a_force_outside_the_band_shows_no_vertical() {
-        let after = run(tilted(), 1000, still(LEAST_TRUST * 0.99, 0.001), FLYING);
-        assert!((tilt(&after) - tilt(&tilted())).abs() < 1e-4);
+    fn half_the_trust_levels_half_as_fast() {
+        let after = run(tilted(), 1000, still(0.5, 0.001), FLYING);
+        let trusted = run(tilted(), 500, still(1.0, 0.001), FLYING);
+        assert!((tilt(&after) - tilt(&trusted)).abs() < 1e-4);
+        let blind = run(tilted(), 1000, still(0.0, 0.001), FLYING);
+        assert!((tilt(&blind) - tilt(&tilted())).abs() < 1e-4);
+    }
+
+    #[test]
+    fn rare_steps_correct_as_much_while_trust_comes_and_goes() {
+        let mut often = tilted();
+        let mut rarely = tilted();
+        for _ in 0..20 {
+            let mut seen = Increment::default();
+            for sample in 0..50 {
+                let trust = if sample % 3 == 0 { 1.0 } else { 0.4 };
+                let motion = still(trust, 0.001);
+                often = often.after(&motion, FLYING);
+                seen.down += motion.down;
+                seen.dt += motion.dt;
+            }
+            rarely = rarely.after(&seen, FLYING);
+        }
+        let apart = often.attitude.error_to(rarely.attitude).max_norm();
+        assert!(apart < 1e-4, "{apart}");
     }
 
     #[test]
@@ -241,7 +269,7 @@ mod tests {
             for (angle, down, heading, dt) in motions {
                 let motion = Increment {
                     angle: Vec3::new(angle, 0.5 * angle, -angle),
-                    down: Vec3::new(down, 0.0, dt),
+                    down: Vec3::new(limited(down, dt), 0.0, dt),
                     dt,
                     ..Increment::default()
                 };

@@ -84,8 +84,8 @@ graph! {
     /// What the angle loop asks for.
     node asked: Asked = angle_loop(attitude, &target);
     /// Integrals and the filtered yaw error of the rate loop.
-    state rates: RateMemory = integrated(
-        &rates, &motion, &last asked, &asked, &last command
+    state rates: RateMemory = summed(
+        &rates, &motion, &filter, &last asked, &asked, &last command
     ), clocked by motion;
     /// What the rate loop asks for.
     node torque: TorqueDemand = rate_loop(&rates, &asked, &rotation, blind);
@@ -110,6 +110,18 @@ pub fn advanced(filter: &DriftFilter, motion: &Increment, heading: Option<f32>) 
 /// The attitude that the filter estimates.
 pub fn attitude_of(filter: &DriftFilter) -> Quaternion {
     filter.attitude()
+}
+
+/// What the rate loop remembers after this motion, and what was asked for in it.
+pub fn summed(
+    rates: &RateMemory,
+    motion: &Increment,
+    filter: &DriftFilter,
+    before: &Asked,
+    after: &Asked,
+    command: &Mixed,
+) -> RateMemory {
+    integrated(rates, motion, filter.correction(), before, after, command)
 }
 
 /// The thrust of hover, as far as it is learned, as a share.

@@ -127,8 +127,10 @@ pub fn summed(
         before,
         after,
         correction: filter.correction(),
+        aim,
+        down: filter.down_before(),
     };
-    integrated(integrals, &stretch, aim.thrust, command)
+    integrated(integrals, &stretch, command)
 }
 
 /// The motor vector of a demand.

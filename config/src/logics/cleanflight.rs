@@ -23,8 +23,6 @@ pub(crate) const GAINS: &[Gain] = &[
     number(["estimate", "spin_limit_rad_s"], within(0.0, 35.0), "rad/s")
         .named("ESTIMATE_SPIN_LIMIT")
         .meaning("The rate above which no bias is learned"),
-    number(["estimate", "accel_band"], above(0.0, 0.5), "share of 1 g")
-        .meaning("How far from 1 g the accelerometer still shows the vertical"),
     number(
         ["estimate", "horizontal_field"],
         above(0.0, 1.0),

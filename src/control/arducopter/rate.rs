@@ -40,11 +40,14 @@ pub struct RateMemory {
 /// The memory after the motion since the last run.
 ///
 /// In that time the desired rates went from what the run before asked for (`last`) to what this
-/// one does. A new setpoint counts from the run that brings it on, which covers no time.
+/// one does: with the angle turned and the estimate's `correction` (rad, as evenly) by the
+/// stiffness, and what is left evenly too, as by a turn to another heading in a lean. A new setpoint
+/// counts from the run that brings it on, which covers no time.
 #[must_use]
 pub fn integrated(
     memory: &RateMemory,
     motion: &Increment,
+    correction: Vec3,
     last: &Asked,
     asked: &Asked,
     command: &Mixed,
@@ -53,9 +56,11 @@ pub fn integrated(
     if dt <= 0.0 {
         return *memory;
     }
-    let beside = asked.wanted.rates.0 - last.wanted.after_turn(motion.angle).0;
-    let linear = last.wanted.integrated(motion.swept, dt);
-    let mut wanted = linear + beside * (dt * (1.0 / 3.0));
+    let beside = asked.wanted.rates.0 - last.wanted.after_turn(motion.angle + correction).0;
+    let linear = last
+        .wanted
+        .integrated(motion.swept + correction * (0.5 * dt), dt);
+    let mut wanted = linear + beside * (dt * 0.5);
 
     let [from, to] = ends(motion.angle.z, motion.swept.z, dt);
     let errors = [
@@ -65,7 +70,8 @@ pub fn integrated(
     let yaw_error = along(memory.yaw_error, errors, dt, YAW_ERROR_TIME);
     // The integral takes the filtered error, which lags by what the filter still holds.
     let late = YAW_ERROR_TIME * (yaw_error - memory.yaw_error);
-    let error = (wanted.z - motion.angle.z) * last.heading - late;
+    let heading = 0.5 * (last.heading + asked.heading);
+    let error = (wanted.z - motion.angle.z) * heading - late;
     wanted.z = motion.angle.z + error;
 
     let stretch = RateStretch {
@@ -144,7 +150,7 @@ mod tests {
     }
 
     fn step(memory: &RateMemory, motion: &Increment, asked: &Asked) -> RateMemory {
-        integrated(memory, motion, asked, asked, &with_room())
+        integrated(memory, motion, Vec3::ZERO, asked, asked, &with_room())
     }
 
     #[test]
@@ -191,7 +197,7 @@ mod tests {
             ..with_room()
         };
         let begun = step(&RateMemory::default(), &motion, &asked);
-        let held = integrated(&begun, &motion, &asked, &asked, &saturated);
+        let held = integrated(&begun, &motion, Vec3::ZERO, &asked, &asked, &saturated);
         assert_eq!(held.integrals, begun.integrals);
         assert_ne!(step(&begun, &motion, &asked).integrals, begun.integrals);
     }

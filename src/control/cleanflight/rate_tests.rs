@@ -1,12 +1,16 @@
 //! What the rate PID promises.
 
 use super::*;
+use crate::control::cleanflight::{Lean, level};
+use crate::math::Quaternion;
 use crate::units::BodyRates;
 use proptest::prelude::*;
 
 fn about_roll(x: f32) -> Vec3 {
     Vec3::new(x, 0.0, 0.0)
 }
+
+const DOWN: Vec3 = Vec3::new(0.0, 0.0, 1.0);
 
 fn steady(rate: f32) -> Wanted {
     Wanted {
@@ -50,8 +54,10 @@ fn after(state: &RateIntegrals, wanted: f32, motion: Increment, saturated: bool)
         before: &wanted,
         after: &wanted,
         correction: Vec3::ZERO,
+        aim: &flying(),
+        down: DOWN,
     };
-    integrated(state, &stretch, half(), &mixed(saturated))
+    integrated(state, &stretch, &mixed(saturated))
 }
 
 #[test]
@@ -79,13 +85,10 @@ fn without_thrust_no_integral_grows() {
         before: &wanted,
         after: &wanted,
         correction: Vec3::ZERO,
+        aim: &Aim::default(),
+        down: DOWN,
     };
-    let state = integrated(
-        &RateIntegrals::default(),
-        &stretch,
-        Thrust::ZERO,
-        &mixed(false),
-    );
+    let state = integrated(&RateIntegrals::default(), &stretch, &mixed(false));
     assert_eq!(state, RateIntegrals::default());
 }
 
@@ -149,11 +152,54 @@ proptest! {
                 before: &before,
                 after: &after,
                 correction: Vec3::ZERO,
+        aim: &flying(),
+        down: DOWN,
             };
-            integrated(&state, &stretch, half(), &mixed(false))
+            integrated(&state, &stretch, &mixed(false))
         });
         let (often, rarely) = (run(50, 0.001), run(1, 0.05));
         prop_assert!((often.shares - rarely.shares).max_norm() < 1e-5);
+    }
+
+    /// A body that turns steadily from any lean, rolling over or not, levels itself.
+    #[test]
+    fn rare_stretches_know_that_roll_and_pitch_are_no_turns_of_the_body(
+        roll in -3.1f32..3.1, pitch in -0.6f32..0.6, yaw in -3.0f32..3.0, rate in -3.0f32..3.0
+    ) {
+        let aim = Aim { lean: Some(Lean::default()), heading: None, ..flying() };
+        let turn = Vec3::new(rate, 0.0, yaw);
+        let start = Quaternion::IDENTITY
+            .then_body(Quaternion::from_up(Vec3::new(
+                libm::sinf(pitch),
+                -libm::sinf(roll) * libm::cosf(pitch),
+                -libm::cosf(roll) * libm::cosf(pitch),
+            )).expect("a direction"));
+        let run = |runs: u32, dt: f32| {
+            let steps = (0..runs).scan(start, |attitude, _| {
+                let before = *attitude;
+                *attitude = (0..20).fold(before, |part, _| part.turned_by(turn * (dt / 20.0)));
+                Some([before, *attitude])
+            });
+            steps.fold(RateIntegrals::default(), |state, [before, after]| {
+                let motion = Increment {
+                    angle: turn * dt,
+                    swept: turn * (0.5 * dt * dt),
+                    dt,
+                    ..Increment::default()
+                };
+                let stretch = Stretch {
+                    motion: &motion,
+                    before: &level(before, &aim),
+                    after: &level(after, &aim),
+                    correction: Vec3::ZERO,
+                    aim: &aim,
+                    down: before.down_in_body(),
+                };
+                integrated(&state, &stretch, &mixed(false))
+            })
+        };
+        let (often, rarely) = (run(40, 0.000_5), run(1, 0.02));
+        prop_assert!((often.shares - rarely.shares).max_norm() < 1e-4, "{often:?} {rarely:?}");
     }
 
     #[test]
