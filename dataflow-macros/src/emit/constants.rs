@@ -44,7 +44,10 @@ pub fn assertions(plan: &Plan) -> TokenStream {
     let periods = periods.map(|(value, input)| {
         let period = period(input);
         let message = format!("the period of `{}` must be 1 us or more", value.name);
-        quote_spanned!(span(input) => const _: () = ::core::assert!(#period > 0, #message);)
+        quote_spanned! { span(input) =>
+            #[allow(clippy::assertions_on_constants)]
+            const _: () = ::core::assert!(#period > 0, #message);
+        }
     });
     let gating = gating(plan);
     let bounds = (1..=gating.len()).map(|length| {
@@ -56,6 +59,7 @@ pub fn assertions(plan: &Plan) -> TokenStream {
         );
         let hyperperiod = hyperperiod(until);
         quote_spanned! { span(gating[length - 1].1) =>
+            #[allow(clippy::assertions_on_constants)]
             const _: () =
                 ::core::assert!(#hyperperiod <= ::reflex::dataflow::LONGEST_HYPERPERIOD, #message);
         }
@@ -64,6 +68,7 @@ pub fn assertions(plan: &Plan) -> TokenStream {
         let quantum = computed.quantum.as_ref()?;
         let message = format!("the quantum of `{}` must be zero or more", value.name);
         Some(quote_spanned! { quantum.span() =>
+            #[allow(clippy::assertions_on_constants)]
             const _: () = ::core::assert!(#quantum >= 0.0, #message);
         })
     });

@@ -240,11 +240,13 @@ impl<'c> Story<'c> {
                 }
             }
             let now = stamped.call == Call::Hyperperiod || (ended && !self.answered[place]);
-            if now && core::mem::take(&mut waits) && native.run(stamped.at) {
-                if let Some(held) = held.last_mut() {
-                    held.command = native.command;
-                    held.runs = 1;
-                }
+            if now
+                && core::mem::take(&mut waits)
+                && native.run(stamped.at)
+                && let Some(held) = held.last_mut()
+            {
+                held.command = native.command;
+                held.runs = 1;
             }
         }
         held
