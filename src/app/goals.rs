@@ -1,4 +1,4 @@
-//! Goals and places: what is flown to, where the drone is, and what holds once either stops.
+//! Goals and places: what is flown to, and what holds once something stops.
 //!
 //! The newest demand counts, a setpoint or a goal. Silence ends what it cannot be trusted with:
 //!
@@ -30,7 +30,7 @@ use crate::units::Velocity;
 const LONGEST_BETWEEN_PLACES: Duration = micros(500_000);
 
 impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
-    /// A goal joins: the next run flies to it. It forces a run once it moved past its quantum.
+    /// A goal joins: the next run flies to it. Past its quantum it forces one.
     ///
     /// Without a fresh place it is refused, since position loops would begin where the drone was
     /// when the last one came. The setpoint in force then keeps its own timeout.
@@ -71,7 +71,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         }
     }
 
-    /// The graph takes a place, behind the motion until then; the motors keep their command.
+    /// The graph takes a place, behind the motion; motors keep their command.
     fn see(&mut self, at: Instant, pose: &ExternalPose) {
         let since = self.placed_at.replace(at).map(|before| span(before, at));
         self.advance(at);
@@ -112,7 +112,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         self.events.push(Event::GoalHeld);
     }
 
-    /// Level, heading free; what a goal asks for on the ground is nothing to take off with.
+    /// Level, heading free; after a goal on the ground without thrust.
     fn fall_back(&mut self, now: Instant, why: Event) {
         let setpoint = match self.graph.flown_to() {
             None => Setpoint::level(self.graph.flown().thrust),

@@ -143,7 +143,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     ///
     /// What states come to depends on what held while time passed, as the setpoint and
     /// saturation. Where that changes between runs, what is past is taken first, so that states
-    /// do not depend on how often control runs.
+    /// do not depend on how often control runs. Not inlined: in its many places it would cost 2 KiB.
+    #[inline(never)]
     pub(super) fn advance(&mut self, now: Instant) {
         let motion = self.arrival.take_motion();
         if motion.sums.dt > 0.0 {

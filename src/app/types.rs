@@ -100,7 +100,7 @@ numbered! {
         LinkOverrun,
         /// A frame of the link was malformed, cut off or refused.
         LinkFrame,
-        /// A goal for a control logic without position loops, or without a fresh place: not used.
+        /// A goal that the logic cannot fly to, or without a fresh place: not used.
         Goal,
     }
 }

@@ -34,7 +34,7 @@ pub trait ControlLogic {
     /// A new setpoint.
     fn fly(&mut self, setpoint: Setpoint);
 
-    /// Whether it has position and altitude loops; where not, it takes no goal and no place.
+    /// Whether it has position and altitude loops, which take goals and places.
     fn flies_to_goals(&self) -> bool {
         false
     }
@@ -42,7 +42,7 @@ pub trait ControlLogic {
     /// A place to fly to, which goes before the setpoint; `None` lets the setpoint count again.
     fn fly_to(&mut self, _goal: Option<Goal>) {}
 
-    /// Where the drone is, since the run before: states count every place, so each needs its run.
+    /// Where the drone is; states count every place, so each needs its run.
     fn see(&mut self, _place: Place) {}
 
     /// Whether motion is no longer seen: then thrust is all that is commanded.
@@ -127,7 +127,7 @@ macro_rules! standard_inputs {
     };
 }
 
-/// The same for inputs of logics that fly to places; says which thrust they came to.
+/// The same for logics that fly to places; says which thrust they came to.
 macro_rules! place_inputs {
     ($logic:ident => $thrust:expr) => {
         fn flies_to_goals(&self) -> bool {

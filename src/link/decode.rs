@@ -32,7 +32,7 @@ const LARGEST_DISTANCE: f32 = 100_000.0;
 /// Largest speed accepted, in m/s.
 const LARGEST_SPEED: f32 = 1000.0;
 
-/// Largest heading accepted, in rad: senders count from -pi or from zero, none further than 2 pi.
+/// Largest heading accepted, in rad: some senders count from zero to 2 pi.
 const LARGEST_HEADING: f32 = core::f32::consts::TAU;
 
 /// Place of ODOMETRY's field `quality`, an extension that older senders leave out.

@@ -55,7 +55,7 @@ impl<L: ControlLogic> Bench<L> {
             .count()
     }
 
-    /// Lets time pass and keeps the log empty, as idle does; how often it told of an event.
+    /// Lets time pass and reads the log; how often that told of an event.
     fn watched(&mut self, milliseconds: u64, messages: &[Message], event: Event) -> usize {
         let step = |_| {
             self.told(20, messages);

@@ -1,4 +1,4 @@
-//! Places to fly to: what the fields of a position target mean, and which values are refused.
+//! What the fields of a position target mean, and which values are refused.
 
 use super::*;
 use crate::math::Vec3;
