@@ -12,6 +12,7 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use crate::graph::{Argument, Computed, Value};
+use crate::plan::Plan;
 
 /// The constant that marks a value as dirty.
 fn mark(name: &Ident) -> Ident {
@@ -38,6 +39,25 @@ fn starting(value: &Value) -> TokenStream {
         Some(starting) => quote!(#starting),
         None => quote!(::core::default::Default::default()),
     }
+}
+
+/// `let NAME = ...;` for all values before anything came in: what nodes come to, too.
+fn start(plan: &Plan) -> TokenStream {
+    let given = plan.graph.values.iter().filter(|it| !it.is_plain_node());
+    let given = given.map(|value| {
+        let (name, of_type, starting) = (&value.name, &value.of_type, starting(value));
+        quote!(let #name: #of_type = #starting;)
+    });
+    let nodes = plan.computed().filter(|(value, _)| value.is_plain_node());
+    let nodes = nodes.map(|(value, computed)| {
+        let name = &value.name;
+        let call = call(computed, |argument| {
+            let read = &argument.name;
+            quote!(#read)
+        });
+        quote!(let #name = #call;)
+    });
+    quote!(#(#given)* #(#nodes)*)
 }
 
 /// Whether a new value differs from the one last propagated, so that others must know.

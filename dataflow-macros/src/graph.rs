@@ -106,6 +106,11 @@ impl Value {
         }
     }
 
+    /// A node or output: computed from others, remembers nothing.
+    pub fn is_plain_node(&self) -> bool {
+        self.computed().is_some() && self.clock().is_none()
+    }
+
     pub fn is_output(&self) -> bool {
         self.computed()
             .is_some_and(|computed| matches!(computed.kind, Kind::Output))

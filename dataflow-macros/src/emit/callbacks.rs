@@ -7,58 +7,30 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::{call, differs, mark, measured};
+use super::measured::{self, Tables};
+use super::{call, differs, mark};
 use crate::graph::{Computed, Value};
 use crate::plan::Plan;
 
 /// The graph's type and its methods.
 pub fn graph(plan: &Plan) -> TokenStream {
-    let (attributes, visibility) = (&plan.graph.attributes, &plan.graph.visibility);
-    let name = &plan.graph.name;
-    let (fields, start, literal) = (
-        measured::fields(plan),
-        measured::start(plan),
-        measured::literal(plan),
-    );
-    let methods = [
-        measured::marks(plan),
-        measured::setters(plan),
-        measured::getters(plan),
-        propagate(plan),
-    ];
     let callbacks = plan.computed().map(|(value, it)| callback(plan, value, it));
-    let subscribers = plan
-        .graph
-        .values
-        .iter()
-        .map(|value| subscribers(plan, value));
-    let count = plan.graph.values.len();
-    quote! {
-        #(#attributes)*
-        #[derive(Clone, Debug)]
-        #visibility struct #name {
-            #fields
+    let values = plan.graph.values.iter();
+    let subscribers = values.map(|value| subscribers(plan, value));
+    let (count, propagate) = (plan.graph.values.len(), propagate(plan));
+    let tables = Tables {
+        fields: quote! {
             subscribers: [&'static [fn(&mut Self)]; #count],
-            dirty: ::reflex::dataflow::Dirty,
             ticked: ::reflex::dataflow::Dirty,
-        }
-
-        #[allow(missing_docs)]
-        impl #name {
+        },
+        filled: quote! {
+            // Registered at run time: the compiler must not see through them.
+            subscribers: ::core::hint::black_box(Self::SUBSCRIBERS),
+            ticked: ::reflex::dataflow::Dirty::CLEAN,
+        },
+        methods: quote! {
             const SUBSCRIBERS: [&'static [fn(&mut Self)]; #count] = [#(#subscribers),*];
-
-            #[must_use]
-            pub fn new() -> Self {
-                #start
-                Self {
-                    #literal
-                    // Registered at run time: the compiler must not see through them.
-                    subscribers: ::core::hint::black_box(Self::SUBSCRIBERS),
-                    dirty: ::reflex::dataflow::Dirty::CLEAN,
-                    ticked: ::reflex::dataflow::Dirty::CLEAN,
-                }
-            }
-            #(#methods)*
+            #propagate
             #(#callbacks)*
 
             fn tell(subscribers: &'static [fn(&mut Self)], graph: &mut Self) {
@@ -66,12 +38,9 @@ pub fn graph(plan: &Plan) -> TokenStream {
                     callback(graph);
                 }
             }
-        }
-
-        impl ::core::default::Default for #name {
-            fn default() -> Self { Self::new() }
-        }
-    }
+        },
+    };
+    measured::of_tables(plan, &tables)
 }
 
 fn propagate(plan: &Plan) -> TokenStream {

@@ -6,12 +6,12 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::{call, mark, starting};
+use super::{mark, start};
 use crate::graph::{Argument, Value};
 use crate::plan::Plan;
 
 /// Marks of all values.
-pub fn marks(plan: &Plan) -> TokenStream {
+fn marks(plan: &Plan) -> TokenStream {
     let marks = (0u32..).zip(&plan.graph.values).map(|(number, value)| {
         let mark = mark(&value.name);
         quote! {
@@ -22,7 +22,7 @@ pub fn marks(plan: &Plan) -> TokenStream {
 }
 
 /// Fields of all values, and of those that are remembered as they were before the run.
-pub fn fields(plan: &Plan) -> TokenStream {
+fn fields(plan: &Plan) -> TokenStream {
     let values = plan.graph.values.iter();
     let values = values.map(|value| field(&value.name, value));
     let before = before(plan).map(|value| field(&format_ident!("before_{}", value.name), value));
@@ -35,32 +35,13 @@ fn field(name: &proc_macro2::Ident, value: &Value) -> TokenStream {
 }
 
 /// Values that somebody reads as they were before the run: states themselves, and `last NAME`.
-pub fn before<'a>(plan: &'a Plan) -> impl Iterator<Item = &'a Value> {
+fn before<'a>(plan: &'a Plan) -> impl Iterator<Item = &'a Value> {
     let values = plan.graph.values.iter();
     values.filter(|it| it.clock().is_some() || plan.is_remembered(&it.name))
 }
 
-/// `let NAME = ...;` for all values, as they are before anything came in.
-pub fn start(plan: &Plan) -> TokenStream {
-    let remembers = |value: &&Value| value.computed().is_none() || value.clock().is_some();
-    let given = plan.graph.values.iter().filter(remembers).map(|value| {
-        let (name, of_type, starting) = (&value.name, &value.of_type, starting(value));
-        quote!(let #name: #of_type = #starting;)
-    });
-    let nodes = plan.computed().filter(|(it, _)| it.clock().is_none());
-    let nodes = nodes.map(|(value, computed)| {
-        let name = &value.name;
-        let call = call(computed, |argument| {
-            let name = &argument.name;
-            quote!(#name)
-        });
-        quote!(let #name = #call;)
-    });
-    quote!(#(#given)* #(#nodes)*)
-}
-
-/// The fields of a literal, behind [`start`].
-pub fn literal(plan: &Plan) -> TokenStream {
+/// The fields of a literal, behind `start`.
+fn literal(plan: &Plan) -> TokenStream {
     let names = plan.graph.values.iter().map(|value| &value.name);
     let before = before(plan).map(|value| {
         let name = &value.name;
@@ -71,7 +52,7 @@ pub fn literal(plan: &Plan) -> TokenStream {
 }
 
 /// `set_NAME` of the inputs; what ticks is dirty, and what differs.
-pub fn setters(plan: &Plan) -> TokenStream {
+fn setters(plan: &Plan) -> TokenStream {
     let setters = plan.inputs().map(|value| {
         let (name, of_type, mark) = (&value.name, &value.of_type, mark(&value.name));
         let setter = format_ident!("set_{}", name);
@@ -119,5 +100,56 @@ pub fn place(value: &Value, argument: &Argument) -> TokenStream {
         quote!(self.#before)
     } else {
         quote!(self.#name)
+    }
+}
+
+/// What the graphs of nodes behind function pointers differ by.
+pub struct Tables {
+    /// Their fields.
+    pub fields: TokenStream,
+    /// What these begin with.
+    pub filled: TokenStream,
+    /// How a change spreads, and the functions of the nodes.
+    pub methods: TokenStream,
+}
+
+/// The type of a graph that stores every value, and finds its nodes in tables.
+pub fn of_tables(plan: &Plan, tables: &Tables) -> TokenStream {
+    let (attributes, visibility) = (&plan.graph.attributes, &plan.graph.visibility);
+    let name = &plan.graph.name;
+    let (values, start, literal) = (fields(plan), start(plan), literal(plan));
+    let common = [marks(plan), setters(plan), getters(plan)];
+    let Tables {
+        fields,
+        filled,
+        methods,
+    } = tables;
+    quote! {
+        #(#attributes)*
+        #[derive(Clone, Debug)]
+        #visibility struct #name {
+            #values
+            #fields
+            dirty: ::reflex::dataflow::Dirty,
+        }
+
+        #[allow(missing_docs)]
+        impl #name {
+            #[must_use]
+            pub fn new() -> Self {
+                #start
+                Self {
+                    #literal
+                    #filled
+                    dirty: ::reflex::dataflow::Dirty::CLEAN,
+                }
+            }
+            #(#common)*
+            #methods
+        }
+
+        impl ::core::default::Default for #name {
+            fn default() -> Self { Self::new() }
+        }
     }
 }

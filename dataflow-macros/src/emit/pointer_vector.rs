@@ -7,28 +7,16 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::{call, differs, mark, measured};
+use super::measured::{self, Tables};
+use super::{call, differs, mark};
 use crate::graph::{Computed, Value};
 use crate::plan::Plan;
 
 /// The graph's type and its methods.
 pub fn graph(plan: &Plan) -> TokenStream {
-    let (attributes, visibility) = (&plan.graph.attributes, &plan.graph.visibility);
-    let name = &plan.graph.name;
-    let (fields, start, literal) = (
-        measured::fields(plan),
-        measured::start(plan),
-        measured::literal(plan),
-    );
-    let methods = [
-        measured::marks(plan),
-        measured::setters(plan),
-        measured::getters(plan),
-        propagate(plan),
-    ];
     let updates = plan.computed().map(|(value, it)| update(value, it));
-    let tables = Tables::of(plan);
-    let (pointers, quick_access) = (&tables.pointers, &tables.quick_access);
+    let vectors = Vectors::of(plan);
+    let (pointers, quick_access) = (&vectors.pointers, &vectors.quick_access);
     let functions = plan
         .computed()
         .map(|(it, _)| format_ident!("update_{}", it.name));
@@ -38,42 +26,27 @@ pub fn graph(plan: &Plan) -> TokenStream {
         quote!((Self::#mark, #waiting))
     });
     let (most, ends, nodes) = (pointers.len(), quick_access.len(), quick_access.len() - 1);
-    let count = plan.inputs().count();
-    quote! {
-        #(#attributes)*
-        #[derive(Clone, Debug)]
-        #visibility struct #name {
-            #fields
+    let (count, propagate) = (plan.inputs().count(), propagate(plan));
+    let tables = Tables {
+        fields: quote! {
             pointers: [u8; #most],
             quick_access: [u8; #ends],
             nodes: [fn(&mut Self) -> bool; #nodes],
             inputs: [(::reflex::dataflow::Dirty, u32); #count],
-            dirty: ::reflex::dataflow::Dirty,
-        }
-
-        #[allow(missing_docs)]
-        impl #name {
-            #[must_use]
-            pub fn new() -> Self {
-                #start
-                Self {
-                    #literal
-                    // Filled at run time: the compiler must not see through them.
-                    pointers: ::core::hint::black_box([#(#pointers),*]),
-                    quick_access: ::core::hint::black_box([#(#quick_access),*]),
-                    nodes: ::core::hint::black_box([#(Self::#functions),*]),
-                    inputs: ::core::hint::black_box([#(#inputs),*]),
-                    dirty: ::reflex::dataflow::Dirty::CLEAN,
-                }
-            }
-            #(#methods)*
+        },
+        filled: quote! {
+            // Filled at run time: the compiler must not see through them.
+            pointers: ::core::hint::black_box([#(#pointers),*]),
+            quick_access: ::core::hint::black_box([#(#quick_access),*]),
+            nodes: ::core::hint::black_box([#(Self::#functions),*]),
+            inputs: ::core::hint::black_box([#(#inputs),*]),
+        },
+        methods: quote! {
+            #propagate
             #(#updates)*
-        }
-
-        impl ::core::default::Default for #name {
-            fn default() -> Self { Self::new() }
-        }
-    }
+        },
+    };
+    measured::of_tables(plan, &tables)
 }
 
 fn propagate(plan: &Plan) -> TokenStream {
@@ -118,22 +91,23 @@ fn update(value: &Value, computed: &Computed) -> TokenStream {
     }
 }
 
-struct Tables {
+/// The two vectors.
+struct Vectors {
     pointers: Vec<u8>,
     quick_access: Vec<u8>,
 }
 
-impl Tables {
+impl Vectors {
     fn of(plan: &Plan) -> Self {
-        let mut tables = Self {
+        let mut vectors = Self {
             pointers: Vec::new(),
             quick_access: vec![0],
         };
         for (value, _) in plan.computed() {
-            tables.pointers.extend(users(plan, value));
-            tables.quick_access.push(tables.pointers.len() as u8);
+            vectors.pointers.extend(users(plan, value));
+            vectors.quick_access.push(vectors.pointers.len() as u8);
         }
-        tables
+        vectors
     }
 }
 

@@ -3,7 +3,7 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote, quote_spanned};
 
-use super::{call, constants, description, differs, mark, starting};
+use super::{call, constants, description, differs, mark, start};
 use crate::graph::{Argument, Computed, Value};
 use crate::plan::Plan;
 
@@ -50,37 +50,21 @@ pub fn graph(plan: &Plan, declaration: &TokenStream) -> TokenStream {
 
 /// Starting values, and what the nodes come to from them: nothing is ever stale.
 fn new(plan: &Plan) -> TokenStream {
-    let given = plan.graph.values.iter().filter(|it| !is_plain_node(it));
-    let given = given.map(|value| {
-        let (name, of_type, starting) = (&value.name, &value.of_type, starting(value));
-        quote!(let #name: #of_type = #starting;)
-    });
-    let nodes = plan.computed().filter(|(value, _)| is_plain_node(value));
-    let nodes = nodes.map(|(value, computed)| {
-        let name = &value.name;
-        let call = call(computed, |argument| local(&argument.name));
-        quote!(let #name = #call;)
-    });
+    let start = start(plan);
     let names = plan.graph.values.iter().map(|value| &value.name);
     quote! {
         /// The graph with its starting values.
         #[must_use]
         pub fn new() -> Self {
-            #(#given)*
-            #(#nodes)*
+            #start
             Self { #(#names,)* dirty: ::reflex::dataflow::Dirty::CLEAN }
         }
     }
 }
 
-/// A node or output: computed from others, remembers nothing.
-fn is_plain_node(value: &Value) -> bool {
-    value.computed().is_some() && value.clock().is_none()
-}
-
 /// `set_NAME` of inputs and states.
 fn setters(plan: &Plan) -> TokenStream {
-    let set = plan.graph.values.iter().filter(|it| !is_plain_node(it));
+    let set = plan.graph.values.iter().filter(|it| !it.is_plain_node());
     let setters = set.map(|value| {
         let (name, of_type, mark) = (&value.name, &value.of_type, mark(&value.name));
         let setter = format_ident!("set_{}", name);

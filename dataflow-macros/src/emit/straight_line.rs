@@ -5,7 +5,7 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::{call, measured};
+use super::{call, measured, start};
 use crate::graph::{Computed, Value};
 use crate::plan::Plan;
 
@@ -23,7 +23,7 @@ pub fn graph(plan: &Plan) -> TokenStream {
         let (name, of_type) = (&value.name, &value.of_type);
         quote!(#name: #of_type)
     });
-    let start = measured::start(plan);
+    let start = start(plan);
     let names = kept().map(|value| &value.name);
     let setters = plan.inputs().map(|value| {
         let (name, of_type) = (&value.name, &value.of_type);
