@@ -9,6 +9,7 @@ mod airframe;
 mod allocation;
 mod board;
 mod document;
+mod environment;
 mod error;
 mod fallback;
 mod logic;
@@ -16,6 +17,7 @@ mod logics;
 mod range;
 mod reactive;
 mod rust;
+mod vehicle;
 
 use std::path::{Path, PathBuf};
 
@@ -31,6 +33,13 @@ pub use reactive::{
     DerivedInput, Feedback, Input, Inputs, Learning, Pairs, Policy, Reactive, Reference, Runs,
     Setpoint, WarmUp, WarmUpLength,
 };
+
+pub mod plant {
+    //! What is simulated: drones as bodies, and where they fly.
+
+    pub use crate::environment::{Environment, Gusts, Shelter, Tracking, Wind};
+    pub use crate::vehicle::{Battery, Drag, Esc, Rotors, Skids, Vehicle, Vibration};
+}
 
 use document::Document;
 

@@ -88,6 +88,49 @@ ranges! {
     /// Bits per second of the link.
     baud: u32 = |x| [57_600, 115_200, 230_400, 460_800, 921_600].contains(&x),
         "one of 57600 115200 230400 460800 921600 baud";
+    /// The mass of a drone in kg.
+    mass: f64 = |x| (0.05..=100.0).contains(&x), "0.05 to 100 kg";
+    /// Moments of inertia in kg m2.
+    inertia: [f64; 3] = |x| x.iter().all(|x| (1e-6..=100.0).contains(x)),
+        "0.000001 to 100 kg m2 each";
+    /// A length of a drone in m.
+    length: f64 = |x| (0.01..=5.0).contains(&x), "0.01 to 5 m";
+    /// The thrust of a rotor in N.
+    thrust: f64 = |x| (0.1..=1000.0).contains(&x), "0.1 to 1000 N";
+    /// The speed of a rotor in rad/s.
+    rotor_speed: f64 = |x| (50.0..=10_000.0).contains(&x), "50 to 10000 rad/s";
+    /// How long a rotor takes to follow, in s.
+    motor_lag: [f64; 2] = |x| x.iter().all(|x| (0.005..=1.0).contains(x)),
+        "0.005 to 1 s each";
+    /// Ideal power over electric power.
+    merit: f64 = |x| (0.05..=1.0).contains(&x), "0.05 to 1";
+    /// Drag along or about three axes.
+    drag: [f64; 3] = |x| x.iter().all(|x| (0.0..=10.0).contains(x)), "0 to 10 each";
+    /// Cells of a battery.
+    cells: u32 = |x| (1..=24).contains(&x), "1 to 24";
+    /// The charge of a battery in Ah.
+    charge: f64 = |x| (0.1..=1000.0).contains(&x), "0.1 to 1000 Ah";
+    /// The power of electronics in W.
+    electronics: f64 = |x| (0.0..=1000.0).contains(&x), "0 to 1000 W";
+    /// Vibration per thrust.
+    vibration: f64 = |x| (0.0..=10.0).contains(&x), "0 to 10";
+    /// The side of a square to fly in, in m.
+    area: f64 = |x| (1.0..=1000.0).contains(&x), "1 to 1000 m";
+    /// A magnetic field in gauss, to the north and down.
+    field: [f64; 2] = |x| x[0] > 0.0 && x[0] <= 0.5 && (-0.7..=0.7).contains(&x[1]),
+        "above 0 and at most 0.5 gauss to the north, -0.7 to 0.7 gauss down";
+    /// A speed of wind in m/s.
+    wind: f64 = |x| (0.0..=30.0).contains(&x), "0 to 30 m/s";
+    /// A width or spread of directions in degrees.
+    spread: f64 = |x| (0.0..=180.0).contains(&x), "0 to 180 degrees";
+    /// A height above ground in m.
+    height: f64 = |x| (1.0..=300.0).contains(&x), "1 to 300 m";
+    /// Time between gusts in s.
+    gust_interval: f64 = |x| (1.0..=3600.0).contains(&x), "1 to 3600 s";
+    /// Reports of a place per second.
+    tracking_rate: f64 = |x| (5.0..=50.0).contains(&x), "5 to 50 Hz";
+    /// Noise of a reported place or velocity, in m or m/s.
+    tracking_noise: f64 = |x| (0.0..=1.0).contains(&x), "0 to 1";
     /// A direction in degrees.
     direction: f64 = |x| (0.0..360.0).contains(&x), "0 to 360 degrees, 360 excluded";
 }

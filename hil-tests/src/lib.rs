@@ -4,6 +4,7 @@
 //! - [`chips`]: the sensors, written from their datasheets
 //! - [`flights`]: recorded flights, as stimulus, setpoints and link frames
 //! - [`replay`]: puts the three together; [`scoring`] judges what happened
+//! - [`closed_loop`]: a simulated drone in wind instead of a recorded flight
 //! - [`native`]: the same flights without the emulator, a hundred times as fast
 //! - [`costs`]: instructions, memory and locks of the firmware, against limits
 //! - [`sweep`]: many of those over a grid of settings, drawn with [`plot`]
@@ -11,8 +12,10 @@
 //! - [`firmware`]: builds and measures the ELF, with the [`toolchain`] it needs
 //! - [`commands`]: the command line of `cargo hil`
 
+pub mod airframes;
 pub mod board;
 pub mod chips;
+pub mod closed_loop;
 pub mod commands;
 pub mod costs;
 pub mod firmware;

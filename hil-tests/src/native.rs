@@ -40,8 +40,8 @@ use crate::replay::{chip_options, length_ns, open_flight, sense};
 use crate::replay_options::ReplayOptions;
 use crate::scoring::{Report, Score, score};
 
-use board::NativeBoard;
-use timing::clock;
+pub(crate) use board::NativeBoard;
+pub(crate) use timing::{RUN_NS, clock, nanos};
 
 /// Virtual time between two looks at the chips' sample counters.
 const STEP_NS: u64 = 20_000_000;

@@ -11,11 +11,12 @@
 //! command it computed, or that computes other bits than the host, fails the replay.
 
 pub(crate) mod about;
-mod alignment;
+pub(crate) mod alignment;
 mod bench;
 mod board_about;
+mod call_stream;
 mod latency;
-mod observation;
+pub(crate) mod observation;
 pub(crate) mod sense;
 pub(crate) mod story;
 #[cfg(test)]

@@ -17,6 +17,8 @@ pub mod motors;
 pub mod outcome;
 pub mod rings;
 
+use std::num::NonZeroU64;
+
 pub use elf::Elf;
 pub use fault::{Fault, FaultKind};
 pub use log::LogLine;
@@ -130,6 +132,10 @@ pub struct Options {
     pub watches: Vec<Watched>,
     /// The program is an autopilot: it keeps a call log, and falls silent only by a fault.
     pub flies: bool,
+    /// Instructions that the core executes in a second without sleep; one per cycle of 168 MHz.
+    ///
+    /// Fewer make it a slower core whose buses and timers keep their clocks.
+    pub instructions_per_second: NonZeroU64,
     /// Time between two looks at the logs, in ns.
     ///
     /// RTT holds 1 KiB and the call log 2 KiB: what a period adds must fit.
@@ -146,6 +152,7 @@ impl Default for Options {
             settings: None,
             watches: Vec::new(),
             flies: true,
+            instructions_per_second: NonZeroU64::new(168_000_000).expect("not zero"),
             poll_ns: 1_000_000,
             boot_limit_ns: 2_000_000_000,
             silence_limit_ns: 500_000_000,

@@ -5,10 +5,12 @@
 
 mod bar;
 mod bench;
+mod fly;
 mod graph;
 mod quantities;
 mod replay;
 mod replay_arguments;
+mod settings_arguments;
 mod sweep_arguments;
 mod sweep_text;
 mod test;
@@ -43,6 +45,8 @@ struct Cli {
 enum Command {
     /// Boot the firmware on the emulated board and replay a recorded flight into its sensors
     Replay(Box<replay_arguments::ReplayArguments>),
+    /// Fly a simulated drone in wind, by the firmware on the emulated board
+    Fly(Box<fly::FlyArguments>),
     /// Count the instructions of every part on the emulated core, against its limit
     Bench(bench::BenchArguments),
     /// Draw a control logic as a graph, for Graphviz and as SVG
@@ -67,6 +71,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let result = match &cli.command {
         Command::Replay(arguments) => replay::run(arguments),
+        Command::Fly(arguments) => fly::run(arguments),
         Command::Bench(arguments) => bench::run(arguments),
         Command::Graph(arguments) => graph::run(arguments),
         Command::Test => test::run(),
@@ -90,6 +95,14 @@ fn exit_code(error: &anyhow::Error) -> u8 {
 fn complain(line: &str) {
     // Nobody is left to tell where stderr is closed.
     let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Goes on as another build of this program, called with the same arguments.
+fn become_program(mut program: std::process::Command) -> Result<()> {
+    program.args(std::env::args_os().skip(1));
+    let status = program.status()?;
+    // What there was to say, the other program has said.
+    std::process::exit(status.code().unwrap_or(i32::from(FAILED)));
 }
 
 /// Writes a command's result to stdout.

@@ -55,6 +55,11 @@ pub(super) fn duration(seconds: f64) -> Duration {
     micros((seconds * 1e6).round() as u64)
 }
 
+/// A span in seconds.
+pub(super) fn seconds(span: Duration) -> f64 {
+    span.ticks() as f64 * 1e-6
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

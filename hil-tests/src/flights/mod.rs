@@ -15,7 +15,7 @@ mod csv_log;
 mod error;
 mod flight;
 mod gaps;
-mod link_frames;
+pub(crate) mod link_frames;
 mod lowpass;
 mod recording;
 mod rotation;

@@ -78,7 +78,13 @@ impl Agenda {
 
     /// Takes the next event due until `until_ns`, with its instant.
     pub(super) fn take(&mut self, until_ns: u64) -> Option<(u64, Event)> {
-        let (place, at_ns) = (self.due_ns.iter().copied().enumerate()).min_by_key(|due| due.1)?;
+        let mut place = 0;
+        let mut at_ns = self.due_ns[0];
+        for (later, due_ns) in self.due_ns.iter().enumerate().skip(1) {
+            if *due_ns < at_ns {
+                (place, at_ns) = (later, *due_ns);
+            }
+        }
         if at_ns > until_ns {
             return None;
         }

@@ -8,8 +8,8 @@
 //!
 //! **Not played**: the log, answers and telemetry on the link, the motors' timers.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
-use std::vec;
 
 use embedded_hal::i2c::I2c;
 use reflex::app::{Autopilot, Call, Recorder, Stamped};
@@ -48,7 +48,7 @@ const IMU_WAKE: [u8; 2] = [mpu6050::register::PWR_MGMT_1, 0x01];
 
 /// Every call with its stamp.
 #[derive(Debug, Default)]
-pub(super) struct Calls(pub(super) Vec<Stamped>);
+pub(crate) struct Calls(pub(crate) Vec<Stamped>);
 
 impl Recorder for Calls {
     fn record(&mut self, at: Instant, call: &Call) {
@@ -66,8 +66,8 @@ pub(super) struct Burst {
 }
 
 /// The board, standing at the instant it was last run to.
-pub(super) struct NativeBoard {
-    pub(super) pilot: Autopilot<Calls, AnyLogic>,
+pub(crate) struct NativeBoard {
+    pub(crate) pilot: Autopilot<Calls, AnyLogic>,
     pub(super) agenda: Agenda,
     pub(super) now_ns: u64,
 
@@ -93,7 +93,8 @@ pub(super) struct NativeBoard {
     pub(super) raised_again: bool,
 
     pub(super) parser: Parser,
-    pub(super) frames: vec::IntoIter<LinkFrame>,
+    /// Frames to come, in order of time.
+    pub(super) frames: VecDeque<LinkFrame>,
     /// The frame that is being received, and when the line falls idle behind it.
     pub(super) frame: Option<LinkFrame>,
     pub(super) line_free_ns: u64,
@@ -103,7 +104,7 @@ pub(super) struct NativeBoard {
 
 impl NativeBoard {
     /// Powers the chips and starts up; `frames` come in order of time.
-    pub(super) fn boot(
+    pub(crate) fn boot(
         (settings, logic): (Settings, LogicName),
         source: &Arc<dyn StimulusSource>,
         options: ChipOptions,
@@ -147,7 +148,7 @@ impl NativeBoard {
             work: None,
             raised_again: false,
             parser: Parser::new(),
-            frames: frames.into_iter(),
+            frames: frames.into(),
             frame: None,
             line_free_ns: 0,
             refit: None,
@@ -172,7 +173,7 @@ impl NativeBoard {
     }
 
     /// Runs to an instant.
-    pub(super) fn run_until(&mut self, until_ns: u64) {
+    pub(crate) fn run_until(&mut self, until_ns: u64) {
         while let Some((at_ns, event)) = self.agenda.take(until_ns) {
             // What a bus did ahead of time is noted at its own instant, never before now.
             self.now_ns = self.now_ns.max(at_ns);
@@ -192,9 +193,22 @@ impl NativeBoard {
         self.now_ns = self.now_ns.max(until_ns);
     }
 
+    /// Takes every call so far, without room for them being looked for anew.
+    pub(crate) fn drain_calls(&mut self) -> impl Iterator<Item = Stamped> {
+        self.pilot.recorder().0.drain(..)
+    }
+
     /// Everything that was called so far; later calls begin anew.
     pub(super) fn take_calls(&mut self) -> Vec<Stamped> {
         std::mem::take(&mut self.pilot.recorder().0)
+    }
+
+    /// Sends a frame, behind those that were given before.
+    pub(crate) fn transmit(&mut self, frame: LinkFrame) {
+        self.frames.push_back(frame);
+        if self.frame.is_none() {
+            self.receive_next_frame();
+        }
     }
 
     pub(super) fn watch_imu(&mut self) {

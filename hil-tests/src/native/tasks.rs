@@ -245,9 +245,12 @@ impl NativeBoard {
 
     /// Waits for the next frame; those sent before the receiver was there are lost.
     pub(super) fn receive_next_frame(&mut self) {
-        let heard = |frame: &crate::flights::LinkFrame| frame.at_ns >= BOOT_NS;
-        let Some(frame) = self.frames.find(heard) else {
-            return;
+        let frame = loop {
+            match self.frames.pop_front() {
+                Some(frame) if frame.at_ns >= BOOT_NS => break frame,
+                Some(_) => {}
+                None => return,
+            }
         };
         let start_ns = frame.at_ns.max(self.line_free_ns);
         self.line_free_ns = start_ns + frame.bytes.len() as u64 * CHARACTER_NS;

@@ -23,7 +23,7 @@ pub(super) const BURST_START_NS: u64 = 500;
 /// Filtering, summing and comparing a burst, ns.
 pub(super) const ARRIVAL_NS: u64 = 14_700;
 /// A run, to the last motor register, ns.
-pub(super) const RUN_NS: u64 = 17_700;
+pub(crate) const RUN_NS: u64 = 17_700;
 /// From the end of a task, or an interrupt, to the next step of the LSM303AGR's owner, ns.
 pub(super) const CHIPS_STEP_NS: u64 = 3_000;
 /// From a sample to idle, where refits are looked for, and a refit itself, ns.
@@ -37,12 +37,12 @@ pub(super) const SILENCE: Duration = micros(20_000);
 pub(super) const SLEEP: (Duration, Duration) = (micros(500), micros(100_000));
 
 /// The firmware's clock at an instant of virtual time.
-pub(super) fn clock(at_ns: u64) -> Instant {
+pub(crate) fn clock(at_ns: u64) -> Instant {
     at_micros(at_ns.saturating_sub(CLOCK_START_NS) / 1000)
 }
 
 /// The virtual time at which the firmware's clock shows an instant.
-pub(super) fn nanos(at: Instant) -> u64 {
+pub(crate) fn nanos(at: Instant) -> u64 {
     at.ticks()
         .saturating_mul(1000)
         .saturating_add(CLOCK_START_NS)

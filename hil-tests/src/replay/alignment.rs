@@ -13,7 +13,7 @@ use super::observation::Observation;
 use crate::board::Line;
 
 /// Timer clocks per microsecond (84 MHz).
-pub(super) const TIMER_MHZ: u64 = 84;
+pub(crate) const TIMER_MHZ: u64 = 84;
 
 /// A pulse may be this far from the command, in ns: one tick and rounding.
 const PULSE_SLACK_NS: f64 = 60.0;
@@ -31,7 +31,7 @@ pub(super) struct AlignedRun {
 }
 
 /// The pairs, and how the clocks lie to each other.
-pub(super) struct Alignment {
+pub(crate) struct Alignment {
     pub(super) runs: Vec<AlignedRun>,
     /// The board's time at which the firmware's clock stood at zero, in us.
     clock_start_us: f64,
@@ -39,7 +39,7 @@ pub(super) struct Alignment {
 
 impl Alignment {
     /// Pairs runs with writes from the end, where both end.
-    pub(super) fn of(observation: &Observation, protocol: MotorProtocol) -> Result<Self> {
+    pub(crate) fn of(observation: &Observation, protocol: MotorProtocol) -> Result<Self> {
         let mut runs = runs(observation);
         let surplus = surplus(&runs, observation, protocol)?;
         for (run, write) in runs.iter_mut().zip(&observation.motors[surplus..]) {

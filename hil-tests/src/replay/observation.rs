@@ -4,40 +4,39 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail};
-use reflex::app::{DecodeError, Stamped};
+use anyhow::{Context, Result};
+use reflex::app::Stamped;
 
 use super::bench::HANDLERS;
+use super::call_stream::CallStream;
 use crate::board::{Edge, Hit, Line, LogLine, MotorWrite, Observer};
 
 /// Everything a replay keeps of its board.
-pub(super) struct Observation {
-    pub(super) motors: Vec<MotorWrite>,
+pub(crate) struct Observation {
+    pub(crate) motors: Vec<MotorWrite>,
     /// Rising edges of each line, in ns.
     pub(super) edges: [Vec<u64>; Line::ALL.len()],
     /// When each of the watched handlers was entered, in ns.
     pub(super) entries: [Vec<u64>; HANDLERS.len()],
-    pub(super) calls: Vec<Stamped>,
-    undecoded: Vec<u8>,
-    broken: Option<String>,
+    pub(crate) calls: Vec<Stamped>,
+    stream: CallStream,
     defmt: Option<BufWriter<File>>,
     path: PathBuf,
     write_error: Option<std::io::Error>,
     /// Lines of the firmware's log at the level `error`.
-    pub(super) errors: Vec<String>,
+    pub(crate) errors: Vec<String>,
     pub(super) log_lines: u64,
 }
 
 impl Observation {
     /// The decoded log goes to `defmt`, a file of the name `path`.
-    pub(super) fn new(defmt: Option<BufWriter<File>>, path: Option<PathBuf>) -> Self {
+    pub(crate) fn new(defmt: Option<BufWriter<File>>, path: Option<PathBuf>) -> Self {
         Self {
             motors: Vec::new(),
             edges: Default::default(),
             entries: Default::default(),
             calls: Vec::new(),
-            undecoded: Vec::new(),
-            broken: None,
+            stream: CallStream::default(),
             defmt,
             path: path.unwrap_or_default(),
             write_error: None,
@@ -47,7 +46,7 @@ impl Observation {
     }
 
     /// Writes out what is buffered of the decoded log.
-    pub(super) fn flush(&mut self) -> Result<()> {
+    pub(crate) fn flush(&mut self) -> Result<()> {
         let path = &self.path;
         let told = || format!("--defmt {}: cannot be written", path.display());
         if let Some(error) = self.write_error.take() {
@@ -60,29 +59,8 @@ impl Observation {
     }
 
     /// Fails where the call log was not what the firmware's library writes.
-    pub(super) fn check(&self) -> Result<()> {
-        match &self.broken {
-            Some(what) => bail!("the firmware's call log cannot be read: {what}"),
-            None => Ok(()),
-        }
-    }
-
-    fn decode(&mut self) {
-        let mut taken = 0;
-        while self.broken.is_none() {
-            match Stamped::decode(&self.undecoded[taken..]) {
-                Ok((stamped, length)) => {
-                    self.calls.push(stamped);
-                    taken += length;
-                }
-                Err(DecodeError::Incomplete) => break,
-                Err(DecodeError::Unknown(number)) => {
-                    let calls = self.calls.len();
-                    self.broken = Some(format!("unknown number {number} behind {calls} calls"));
-                }
-            }
-        }
-        self.undecoded.drain(..taken);
+    pub(crate) fn check(&self) -> Result<()> {
+        self.stream.check()
     }
 }
 
@@ -98,8 +76,7 @@ impl Observer for Observation {
     }
 
     fn calls(&mut self, _at_ns: u64, bytes: &[u8]) {
-        self.undecoded.extend_from_slice(bytes);
-        self.decode();
+        self.stream.feed(bytes, &mut self.calls);
     }
 
     fn log(&mut self, line: &LogLine) {

@@ -39,7 +39,7 @@ pub(crate) struct Story<'c> {
 
 /// Keeps the newest outcome.
 #[derive(Default)]
-pub(crate) struct LastRan(Option<(Instant, Ran)>);
+pub(crate) struct LastRan(pub(crate) Option<(Instant, Ran)>);
 
 impl Recorder for LastRan {
     fn record(&mut self, at: Instant, call: &Call) {

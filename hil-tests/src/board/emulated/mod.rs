@@ -37,6 +37,7 @@ mod wiring;
 
 pub use sensors::Sensors;
 
+use std::num::NonZeroU64;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, Sender, SyncSender};
@@ -50,7 +51,7 @@ use rigless::time::VirtualNanos;
 
 use self::batch::{Batch, Command, Message};
 use self::link::Link;
-use self::part::{CORE_HZ, Part, Rig};
+use self::part::{Part, Rig};
 use self::run_loop::RunLoop;
 use super::log::LogDecoder;
 use super::{Board, Elf, Fault, FaultKind, Load, Observer, Options, Outcome};
@@ -67,6 +68,7 @@ pub struct EmulatedBoard {
     log: LogDecoder,
     last_error: Option<String>,
     load: Vec<(u64, u64)>,
+    instructions_per_second: NonZeroU64,
     now_ns: u64,
     fault: Option<Fault>,
 }
@@ -79,7 +81,12 @@ impl EmulatedBoard {
         let log = LogDecoder::new(elf.bytes())?;
         let image = Image::new(Path::new("the firmware"), elf.bytes().to_vec(), None)?;
         let part = Part::new(sensors, Link::default())?;
-        let session = Session::new(Box::new(Rig { part }), 0, VirtualNanos(0))?;
+        let instructions_per_second = options.instructions_per_second;
+        let rig = Rig {
+            part,
+            instructions_per_second,
+        };
+        let session = Session::new(Box::new(rig), 0, VirtualNanos(0))?;
         let (commands, obeyed) = mpsc::channel();
         let (told, messages) = mpsc::sync_channel(MESSAGES_AHEAD);
         let run_loop = RunLoop::new(elf, options, obeyed, told.clone())?;
@@ -93,6 +100,7 @@ impl EmulatedBoard {
             log,
             last_error: None,
             load: vec![(0, 0)],
+            instructions_per_second,
             now_ns: 0,
             fault: None,
         })
@@ -206,7 +214,7 @@ impl Board for EmulatedBoard {
             return Ok(Outcome {
                 ended_ns: self.now_ns,
                 load: Load {
-                    instructions_per_second: CORE_HZ.get(),
+                    instructions_per_second: self.instructions_per_second.get(),
                     samples: self.load,
                 },
                 stack: last.stack,

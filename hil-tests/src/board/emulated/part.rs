@@ -29,8 +29,8 @@ use crate::board::{Edge, Line};
 const CRYSTAL_HZ: u64 = 8_000_000;
 /// Supply of the processor, in mV.
 const SUPPLY_MV: u32 = 3_300;
-/// Core clock; one instruction is counted as one cycle of it.
-pub(super) const CORE_HZ: NonZeroU64 = NonZeroU64::new(168_000_000).expect("not zero");
+/// Core clock that the firmware sets up.
+const CORE_HZ: NonZeroU64 = NonZeroU64::new(168_000_000).expect("not zero");
 /// Ports by their number in SYSCFG_EXTICR, A = 0.
 const PORT_B: usize = 1;
 const PORT_C: usize = 2;
@@ -232,6 +232,8 @@ impl Mcu for Part {
 #[derive(Debug)]
 pub(super) struct Rig {
     pub(super) part: Part,
+    /// How fast the core is, whatever its clock: buses and timers keep theirs.
+    pub(super) instructions_per_second: NonZeroU64,
 }
 
 impl Store for Rig {}
@@ -257,7 +259,7 @@ impl Board for Rig {
             interrupt_lines: NonZeroU32::new(lines).expect("a part with interrupts"),
             priority_bits: 4,
             refclk_divider: NonZeroU32::new(8).expect("not zero"),
-            instructions_per_second: CORE_HZ,
+            instructions_per_second: self.instructions_per_second,
             boot: "flash",
         }
         .spec_with_parts(

@@ -1,0 +1,155 @@
+//! The emulated tier in closed loop: the unmodified firmware, and the host that checks it.
+//!
+//! Every call of the firmware is made again on a native autopilot as soon as it is known, and must
+//! come to the same command bit by bit; at the end every timer register must have held it.
+
+use std::num::NonZeroU64;
+use std::sync::{Arc, Mutex};
+
+use anyhow::{Result, bail};
+use reflex::app::{Autopilot, Call, Ran};
+use reflex::config::MOTORS;
+use reflex::reactive::Phase;
+use reflex::settings::{MotorProtocol, Settings};
+use reflex::time::Instant;
+
+use super::desired::Desired;
+use super::report::Cpu;
+use super::tier::{Applied, Tier, TimedRan, throttle, update_period_ns};
+use crate::board::emulated::{EmulatedBoard, Sensors};
+use crate::board::{Board, Elf, Options};
+use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
+use crate::chips::{ChipOptions, Mpu6050, StimulusSource};
+use crate::firmware::Firmware;
+use crate::flights::LinkFrame;
+use crate::logics::{AnyLogic, LogicName};
+use crate::native::nanos;
+use crate::replay::alignment::Alignment;
+use crate::replay::observation::Observation;
+use crate::replay::story::LastRan;
+use crate::scoring::MotorDigest;
+
+/// An emulated board with everything that is heard of it.
+pub(super) struct EmulatedTier {
+    board: Box<EmulatedBoard>,
+    observation: Observation,
+    /// Makes the firmware's calls again.
+    mirror: Autopilot<LastRan, AnyLogic>,
+    /// How many calls and motor writes have been taken.
+    mirrored: usize,
+    written: usize,
+    runs: Vec<TimedRan>,
+    protocol: MotorProtocol,
+}
+
+impl EmulatedTier {
+    /// Boots firmware on a core of a speed, with chips that feel a source.
+    pub(super) fn boot(
+        firmware: &Firmware,
+        (settings, logic): (Settings, LogicName),
+        source: &Arc<dyn StimulusSource>,
+        chips: ChipOptions,
+        instructions_per_second: NonZeroU64,
+    ) -> Result<Self> {
+        let sensors = Sensors {
+            imu: Arc::new(Mutex::new(Mpu6050::new(Arc::clone(source), chips))),
+            accel: Arc::new(Mutex::new(Accelerometer::new(Arc::clone(source), chips))),
+            mag: Arc::new(Mutex::new(Magnetometer::new(Arc::clone(source), chips))),
+        };
+        let elf = Arc::new(Elf::parse(firmware.bytes.clone())?);
+        let options = Options {
+            settings: Some(settings.to_bytes().to_vec()),
+            instructions_per_second,
+            ..Options::default()
+        };
+        Ok(Self {
+            board: Box::new(EmulatedBoard::boot(&elf, sensors, &options)?),
+            observation: Observation::new(None, None),
+            mirror: Autopilot::with_logic(settings, LastRan::default(), logic.logic()),
+            mirrored: 0,
+            written: 0,
+            runs: Vec::new(),
+            protocol: settings.motors,
+        })
+    }
+
+    /// Makes the calls that are new; each run must come to the same bits.
+    fn mirror(&mut self) -> Result<()> {
+        self.observation.check()?;
+        for stamped in &self.observation.calls[self.mirrored..] {
+            stamped.call.replay(stamped.at, &mut self.mirror);
+            if let Call::Ran(ran) = stamped.call {
+                compare(stamped.at, &ran, self.mirror.recorder().0.take())?;
+                self.runs.push((nanos(stamped.at), ran));
+            }
+        }
+        self.mirrored = self.observation.calls.len();
+        Ok(())
+    }
+}
+
+fn compare(at: Instant, firmware: &Ran, host: Option<(Instant, Ran)>) -> Result<()> {
+    if host == Some((at, *firmware)) {
+        return Ok(());
+    }
+    let seconds = at.ticks() as f64 * 1e-6;
+    bail!(
+        "the same calls gave another command on the host, at {seconds:.6} s of the firmware's \
+         clock: firmware {firmware:?}, host {host:?}"
+    )
+}
+
+impl Tier for EmulatedTier {
+    fn run_until(&mut self, until_ns: u64) -> Result<()> {
+        self.board.run_until(until_ns, &mut self.observation)?;
+        self.mirror()
+    }
+
+    fn transmit(&mut self, frame: LinkFrame) {
+        self.board.transmit(frame.at_ns, &frame.bytes);
+    }
+
+    fn take(&mut self, applied: &mut Vec<Applied>, runs: &mut Vec<TimedRan>) {
+        for write in &self.observation.motors[self.written..] {
+            let motor = |index: usize| {
+                let driven = write.driven & (1 << index) != 0;
+                let pulse_ns = if driven { write.pulse_ns[index] } else { 0 };
+                throttle(self.protocol, pulse_ns).unwrap_or_default()
+            };
+            applied.push(Applied {
+                at_ns: write.applied_ns,
+                throttles: (0..MOTORS).map(motor).collect(),
+            });
+        }
+        self.written = self.observation.motors.len();
+        runs.append(&mut self.runs);
+    }
+
+    fn desired(&mut self) -> Desired {
+        Desired::of(self.mirror.logic())
+    }
+
+    fn phase(&self) -> Phase {
+        self.mirror.telemetry().phase
+    }
+
+    fn update_offset_ns(&self) -> u64 {
+        let newest = self.observation.motors.last();
+        newest.map_or(0, |write| {
+            write.applied_ns % update_period_ns(self.protocol)
+        })
+    }
+
+    fn finish(self: Box<Self>, from_ns: u64) -> Result<(Option<Cpu>, String)> {
+        let outcome = self.board.finish()?;
+        Alignment::of(&self.observation, self.protocol)?;
+        let mut digest = MotorDigest::new();
+        for write in &self.observation.motors {
+            digest.write(write.at_ns, &write.pulse_ns);
+        }
+        let cpu = Cpu {
+            busy_fraction: outcome.load.busy_fraction(from_ns),
+        };
+        Ok((Some(cpu), digest.hex()))
+    }
+}

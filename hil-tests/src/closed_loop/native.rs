@@ -1,0 +1,96 @@
+//! The native tier in closed loop: chip models, drivers and the autopilot, without a processor.
+
+use std::sync::Arc;
+
+use anyhow::Result;
+use reflex::airframe::{period_ticks, ticks};
+use reflex::app::{Call, Ran};
+use reflex::reactive::Phase;
+use reflex::settings::{MotorProtocol, Settings};
+
+use super::desired::Desired;
+use super::report::Cpu;
+use super::tier::{Applied, Tier, TimedRan, throttle, update_period_ns};
+use crate::chips::{ChipOptions, StimulusSource};
+use crate::flights::LinkFrame;
+use crate::logics::LogicName;
+use crate::native::{NativeBoard, RUN_NS, nanos};
+use crate::replay::alignment::TIMER_MHZ;
+use crate::scoring::MotorDigest;
+
+/// A native board with what the motors' timers would make of its commands.
+pub(super) struct NativeTier {
+    board: NativeBoard,
+    protocol: MotorProtocol,
+    digest: MotorDigest,
+}
+
+impl NativeTier {
+    /// Boots a board whose chips feel a source.
+    pub(super) fn boot(
+        (settings, logic): (Settings, LogicName),
+        source: &Arc<dyn StimulusSource>,
+        chips: ChipOptions,
+    ) -> Self {
+        Self {
+            board: NativeBoard::boot((settings, logic), source, chips, Vec::new()),
+            protocol: settings.motors,
+            digest: MotorDigest::new(),
+        }
+    }
+}
+
+/// The pulses of a command, as the timers make them.
+fn pulses(protocol: MotorProtocol, ran: &Ran) -> Vec<u32> {
+    let (clocks_per_tick, _) = period_ticks(protocol);
+    let pulse_ns = |share: &f32| {
+        let clocks = u64::from(ticks(protocol, *share)) * u64::from(clocks_per_tick);
+        (clocks * 1000 / TIMER_MHZ) as u32
+    };
+    ran.shares.iter().map(pulse_ns).collect()
+}
+
+impl Tier for NativeTier {
+    fn run_until(&mut self, until_ns: u64) -> Result<()> {
+        self.board.run_until(until_ns);
+        Ok(())
+    }
+
+    fn transmit(&mut self, frame: LinkFrame) {
+        self.board.transmit(frame);
+    }
+
+    fn take(&mut self, applied: &mut Vec<Applied>, runs: &mut Vec<TimedRan>) {
+        let period_ns = update_period_ns(self.protocol);
+        for stamped in self.board.drain_calls() {
+            let Call::Ran(ran) = stamped.call else {
+                continue;
+            };
+            let written_ns = nanos(stamped.at) + RUN_NS;
+            let pulses = pulses(self.protocol, &ran);
+            self.digest.write(written_ns, &pulses);
+            let throttles = pulses.iter().map(|pulse| throttle(self.protocol, *pulse));
+            applied.push(Applied {
+                at_ns: (written_ns / period_ns + 1) * period_ns,
+                throttles: throttles.map(Option::unwrap_or_default).collect(),
+            });
+            runs.push((written_ns, ran));
+        }
+    }
+
+    fn desired(&mut self) -> Desired {
+        Desired::of(self.board.pilot.logic())
+    }
+
+    fn phase(&self) -> Phase {
+        self.board.pilot.telemetry().phase
+    }
+
+    fn update_offset_ns(&self) -> u64 {
+        0
+    }
+
+    fn finish(self: Box<Self>, _from_ns: u64) -> Result<(Option<Cpu>, String)> {
+        Ok((None, self.digest.hex()))
+    }
+}

@@ -1,0 +1,257 @@
+//! What a simulated flight came to, as JSON and as text.
+
+use anyhow::Result;
+use serde::{Deserialize, Serialize};
+
+use crate::scoring::ByReason;
+
+/// The whole flight. The scored part begins when the drone is up and has learned.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FlightReport {
+    /// Name of the environment.
+    pub environment: String,
+    /// Name of the airframe.
+    pub airframe: String,
+    /// Name of the control logic.
+    pub logic: String,
+    /// `hover` or `waypoints`.
+    pub mission: String,
+    /// `emulated` or `native`.
+    pub tier: String,
+    /// `reactive` or `periodic`.
+    pub policy: String,
+    /// Runs per second that were asked for; none for the reactive policy.
+    pub rate_hz: Option<f64>,
+    /// Speed of the core in MHz, of which each is a million instructions per second.
+    pub clock_mhz: u32,
+    /// Seed of wind, noise, oscillators, waypoints and exploration.
+    pub seed: u32,
+    /// From take-off to the end, s.
+    pub duration_s: f64,
+    /// Where the scored part begins, s from take-off; none where the flight ended before.
+    pub scored_from_s: Option<f64>,
+    /// The drone hit the ground or turned over.
+    pub crashed: bool,
+    /// How it crashed.
+    pub crash: Option<CrashReport>,
+    /// Desired less actual angles in the scored part, RMS in degrees.
+    pub attitude_error_deg: AxisErrors,
+    /// Distance from where it should be in the scored part, RMS in m.
+    pub position_error_m: Option<f64>,
+    /// When control ran.
+    pub control: Control,
+    /// What the processor did in the scored part; none natively.
+    pub cpu: Option<Cpu>,
+    /// Energy drawn from the battery from take-off to the end, J.
+    pub energy_j: f64,
+    /// Energy per minute in the scored part, J.
+    pub energy_per_minute_j: Option<f64>,
+    /// Flight time from a full battery to 20 % at the scored part's power, s.
+    pub flight_time_s: Option<f64>,
+    /// Mean speed of the wind that was met in the scored part, m/s.
+    pub wind_m_s: Option<f64>,
+    /// Fingerprint of all motor commands with their instants.
+    pub digest: String,
+}
+
+/// How a flight ended before its time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CrashReport {
+    /// When, s from take-off.
+    pub at_s: f64,
+    /// What happened.
+    pub what: String,
+    /// North, east, down, m.
+    pub position_m: [f64; 3],
+    /// North, east, down, m/s.
+    pub velocity_m_s: [f64; 3],
+    /// Roll, pitch, yaw, degrees.
+    pub attitude_deg: [f64; 3],
+}
+
+/// One error per axis; none where that axis was never asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AxisErrors {
+    /// About the forward axis.
+    pub roll: Option<f64>,
+    /// About the right axis.
+    pub pitch: Option<f64>,
+    /// About the down axis.
+    pub yaw: Option<f64>,
+}
+
+/// When control ran.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Control {
+    /// Mean runs per second in the scored part.
+    pub rate_hz: Option<f64>,
+    /// Runs in the scored part.
+    pub runs: u64,
+    /// Share of these whose command does not differ by a quantum from the one before.
+    pub unchanged_share: Option<f64>,
+    /// Runs in the scored part by reason.
+    pub by_reason: ByReason<u64>,
+    /// Runs of each second from take-off on.
+    pub per_second: Vec<u32>,
+}
+
+/// What the processor did.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cpu {
+    /// Share of the time that the core was awake.
+    pub busy_fraction: f64,
+}
+
+impl FlightReport {
+    /// One JSON object on one line.
+    ///
+    /// # Errors
+    /// None in practice: every value can be written.
+    pub fn to_json(&self) -> Result<String> {
+        Ok(serde_json::to_string(self)? + "\n")
+    }
+
+    /// The crash in one line.
+    #[must_use]
+    pub fn crash_line(&self) -> Option<String> {
+        let crash = self.crash.as_ref()?;
+        let [north, east, down] = crash.position_m;
+        let [roll, pitch, yaw] = crash.attitude_deg;
+        Some(format!(
+            "{} {:.3} s behind take-off, at north {north:.1} m, east {east:.1} m, height {:.1} m, \
+             roll {roll:.0}, pitch {pitch:.0}, yaw {yaw:.0} degrees, {:.1} m/s",
+            crash.what,
+            crash.at_s,
+            -down,
+            crash
+                .velocity_m_s
+                .iter()
+                .map(|axis| axis * axis)
+                .sum::<f64>()
+                .sqrt(),
+        ))
+    }
+}
+
+/// The flight for a person; a dash stands for what has no value.
+#[must_use]
+pub fn summary(report: &FlightReport) -> String {
+    let number = |value: Option<f64>, digits: usize| {
+        value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
+    };
+    let when = match report.rate_hz {
+        Some(rate) => format!("{} at {rate} Hz", report.policy),
+        None => report.policy.clone(),
+    };
+    let errors = report.attitude_error_deg;
+    let reasons: Vec<String> = (report.control.by_reason.named().iter())
+        .filter(|named| *named.1 > 0)
+        .map(|(name, count)| format!("{name} {count}"))
+        .collect();
+    let busy = report.cpu.map(|cpu| 100.0 * cpu.busy_fraction);
+    let minutes = report.flight_time_s.map(|time| time / 60.0);
+    let mut lines = vec![
+        format!(
+            "{} in {} with {}, {}: {}, {} tier at {} MHz, seed {}",
+            report.airframe,
+            report.environment,
+            report.logic,
+            report.mission,
+            when,
+            report.tier,
+            report.clock_mhz,
+            report.seed
+        ),
+        format!(
+            "{:.1} s from take-off, scored from {} s, mean wind {} m/s",
+            report.duration_s,
+            number(report.scored_from_s, 1),
+            number(report.wind_m_s, 1)
+        ),
+        format!(
+            "attitude error   roll {} pitch {} yaw {} degrees",
+            number(errors.roll, 3),
+            number(errors.pitch, 3),
+            number(errors.yaw, 3)
+        ),
+        format!("position error   {} m", number(report.position_error_m, 3)),
+        format!(
+            "control          {} runs/s ({}), unchanged {} %",
+            number(report.control.rate_hz, 1),
+            reasons.join(", "),
+            number(report.control.unchanged_share.map(|share| 100.0 * share), 1)
+        ),
+        format!("processor        busy {} %", number(busy, 1)),
+        format!(
+            "energy           {} J/min, {} min to 20 % of the battery",
+            number(report.energy_per_minute_j, 0),
+            number(minutes, 1)
+        ),
+    ];
+    if let Some(crash) = report.crash_line() {
+        lines.push(format!("CRASHED          {crash}"));
+    }
+    lines.push(format!("digest           {}", report.digest));
+    lines.join("\n") + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn crashed() -> FlightReport {
+        FlightReport {
+            environment: "arch".into(),
+            airframe: "quad_x".into(),
+            logic: "cascade".into(),
+            mission: "hover".into(),
+            tier: "native".into(),
+            policy: "periodic".into(),
+            rate_hz: Some(400.0),
+            clock_mhz: 168,
+            seed: 7,
+            duration_s: 2.0,
+            scored_from_s: None,
+            crashed: true,
+            crash: Some(CrashReport {
+                at_s: 2.0,
+                what: "hit the ground".into(),
+                position_m: [1.0, 2.0, 0.0],
+                velocity_m_s: [0.0, 3.0, 4.0],
+                attitude_deg: [10.0, -20.0, 30.0],
+            }),
+            attitude_error_deg: AxisErrors::default(),
+            position_error_m: None,
+            control: Control::default(),
+            cpu: None,
+            energy_j: 100.0,
+            energy_per_minute_j: None,
+            flight_time_s: None,
+            wind_m_s: None,
+            digest: "00".into(),
+        }
+    }
+
+    #[test]
+    fn a_crash_is_told_with_time_and_state_and_no_error_is_made_up() {
+        let text = summary(&crashed());
+        assert!(
+            text.contains(
+                "CRASHED          hit the ground 2.000 s behind take-off, at north 1.0 m, \
+                 east 2.0 m, height -0.0 m, roll 10, pitch -20, yaw 30 degrees, 5.0 m/s"
+            ),
+            "{text}"
+        );
+        assert!(text.contains("roll - pitch - yaw - degrees"), "{text}");
+    }
+
+    #[test]
+    fn json_is_one_line_that_reads_back_to_the_same() {
+        let json = crashed().to_json().unwrap();
+        assert_eq!(json.lines().count(), 1);
+        assert_eq!(
+            serde_json::from_str::<FlightReport>(&json).unwrap(),
+            crashed()
+        );
+    }
+}

@@ -1,0 +1,267 @@
+//! The ground station of a simulated flight: what goes over the link to the drone.
+//!
+//! | message | when |
+//! |---|---|
+//! | HEARTBEAT | every second from the start |
+//! | COMMAND_LONG, arm | 0.2, 0.15, 0.1 and 0.05 s before take-off |
+//! | ODOMETRY | at the environment's rate, from 0.5 s before take-off; without an attitude |
+//! | SET_POSITION_TARGET_LOCAL_NED | behind each ODOMETRY, from take-off on |
+//! | SET_ATTITUDE_TARGET | in its stead, for control logics that do not fly to places |
+
+use mavlink::dialects::common::{
+    AttitudeTargetTypemask, MavFrame, MavMessage, ODOMETRY_DATA, PositionTargetTypemask,
+    SET_ATTITUDE_TARGET_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
+};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use reflex_config::plant::Tracking;
+
+use super::mission::Target;
+use super::outer_loop::{Demand, OuterLoop};
+use crate::flights::LinkFrame;
+use crate::flights::link_frames::{DRONE, arm, frame, heartbeat};
+
+/// When the drone takes off: until then it stands still, boots, calibrates and is armed, ns.
+pub(super) const TAKE_OFF_NS: u64 = 1_500_000_000;
+
+const MILLISECOND_NS: u64 = 1_000_000;
+const HEARTBEAT_NS: u64 = 1_000 * MILLISECOND_NS;
+const ARM_LEADS_NS: [u64; 4] = [200, 150, 100, 50];
+const FIRST_PLACE_NS: u64 = TAKE_OFF_NS - 500 * MILLISECOND_NS;
+/// Keeps this noise apart from that of the sensors and of the wind of the same seed.
+const STREAM: u64 = 0x5354_4154;
+
+/// A ground station that watches one flight.
+pub(super) struct Station {
+    tracking: Tracking,
+    /// For control logics that are told an attitude.
+    outer: Option<OuterLoop>,
+    noise: ChaCha8Rng,
+    /// Reports sent so far.
+    reports: u64,
+    heartbeats: u64,
+    arms: usize,
+    sequence: u8,
+}
+
+impl Station {
+    /// One whose drone flies to places by itself, or is told attitudes.
+    pub(super) fn new(flies_to_goals: bool, tracking: &Tracking, seed: u64) -> Self {
+        let mut noise = ChaCha8Rng::seed_from_u64(seed);
+        noise.set_stream(STREAM);
+        Self {
+            tracking: tracking.clone(),
+            outer: (!flies_to_goals).then(OuterLoop::default),
+            noise,
+            reports: 0,
+            heartbeats: 0,
+            arms: 0,
+            sequence: 0,
+        }
+    }
+
+    /// What it sends at an instant, of a drone at a place and with a velocity.
+    ///
+    /// To be asked often enough for its rates; each instant once.
+    pub(super) fn speak(
+        &mut self,
+        at_ns: u64,
+        (position, velocity): (&Vector3<f64>, &Vector3<f64>),
+        target: &Target,
+    ) -> Vec<LinkFrame> {
+        let mut messages = Vec::new();
+        if at_ns >= self.heartbeats * HEARTBEAT_NS {
+            self.heartbeats += 1;
+            messages.push(heartbeat());
+        }
+        if let Some(lead) = ARM_LEADS_NS.get(self.arms)
+            && at_ns + lead * MILLISECOND_NS >= TAKE_OFF_NS
+        {
+            messages.push(arm(self.arms as u8));
+            self.arms += 1;
+        }
+        let period_ns = 1e9 / self.tracking.rate_hz;
+        if at_ns >= FIRST_PLACE_NS + (self.reports as f64 * period_ns) as u64 {
+            self.reports += 1;
+            let position = self.blurred(position, self.tracking.noise_m);
+            let velocity = self.blurred(velocity, self.tracking.noise_m_s);
+            messages.push(odometry(at_ns, &position, &velocity));
+            if at_ns >= TAKE_OFF_NS {
+                messages.push(self.demand(at_ns, (&position, &velocity), target));
+            }
+        }
+        messages
+            .into_iter()
+            .map(|message| self.frame(at_ns, &message))
+            .collect()
+    }
+
+    fn blurred(&mut self, exact: &Vector3<f64>, deviation: f64) -> Vector3<f64> {
+        exact.map(|axis| {
+            let noise: f64 = StandardNormal.sample(&mut self.noise);
+            axis + deviation * noise
+        })
+    }
+
+    fn demand(
+        &mut self,
+        at_ns: u64,
+        seen: (&Vector3<f64>, &Vector3<f64>),
+        target: &Target,
+    ) -> MavMessage {
+        match &mut self.outer {
+            None => goal(at_ns, target),
+            Some(outer) => {
+                let demand = outer.steer(target, seen, 1.0 / self.tracking.rate_hz);
+                attitude(at_ns, &demand)
+            }
+        }
+    }
+
+    fn frame(&mut self, at_ns: u64, message: &MavMessage) -> LinkFrame {
+        let bytes = frame(message, self.sequence);
+        self.sequence = self.sequence.wrapping_add(1);
+        LinkFrame { at_ns, bytes }
+    }
+}
+
+fn odometry(at_ns: u64, position: &Vector3<f64>, velocity: &Vector3<f64>) -> MavMessage {
+    // MAVLink writes NaN first where a covariance or attitude is unknown.
+    let mut unknown = [0.0; 21];
+    unknown[0] = f32::NAN;
+    MavMessage::ODOMETRY(ODOMETRY_DATA {
+        time_usec: at_ns / 1000,
+        x: position.x as f32,
+        y: position.y as f32,
+        z: position.z as f32,
+        q: [f32::NAN; 4],
+        vx: velocity.x as f32,
+        vy: velocity.y as f32,
+        vz: velocity.z as f32,
+        rollspeed: 0.0,
+        pitchspeed: 0.0,
+        yawspeed: 0.0,
+        pose_covariance: unknown,
+        velocity_covariance: unknown,
+        frame_id: MavFrame::MAV_FRAME_LOCAL_NED,
+        child_frame_id: MavFrame::MAV_FRAME_LOCAL_NED,
+    })
+}
+
+fn goal(at_ns: u64, target: &Target) -> MavMessage {
+    MavMessage::SET_POSITION_TARGET_LOCAL_NED(SET_POSITION_TARGET_LOCAL_NED_DATA {
+        time_boot_ms: (at_ns / MILLISECOND_NS) as u32,
+        x: target.position.x as f32,
+        y: target.position.y as f32,
+        z: target.position.z as f32,
+        vx: target.velocity.x as f32,
+        vy: target.velocity.y as f32,
+        vz: target.velocity.z as f32,
+        yaw: target.heading as f32,
+        type_mask: PositionTargetTypemask::POSITION_TARGET_TYPEMASK_AX_IGNORE
+            | PositionTargetTypemask::POSITION_TARGET_TYPEMASK_AY_IGNORE
+            | PositionTargetTypemask::POSITION_TARGET_TYPEMASK_AZ_IGNORE
+            | PositionTargetTypemask::POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE,
+        target_system: DRONE.0,
+        target_component: DRONE.1,
+        coordinate_frame: MavFrame::MAV_FRAME_LOCAL_NED,
+        ..SET_POSITION_TARGET_LOCAL_NED_DATA::DEFAULT
+    })
+}
+
+fn attitude(at_ns: u64, demand: &Demand) -> MavMessage {
+    MavMessage::SET_ATTITUDE_TARGET(SET_ATTITUDE_TARGET_DATA {
+        time_boot_ms: (at_ns / MILLISECOND_NS) as u32,
+        q: components(&demand.attitude).map(|component| component as f32),
+        thrust: demand.thrust as f32,
+        target_system: DRONE.0,
+        target_component: DRONE.1,
+        type_mask: AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_ROLL_RATE_IGNORE
+            | AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_PITCH_RATE_IGNORE
+            | AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_YAW_RATE_IGNORE,
+        ..SET_ATTITUDE_TARGET_DATA::DEFAULT
+    })
+}
+
+fn components(attitude: &UnitQuaternion<f64>) -> [f64; 4] {
+    let Quaternion { coords } = attitude.into_inner();
+    [coords.w, coords.x, coords.y, coords.z]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::closed_loop::mission::{Course, Mission};
+    use reflex::link::{Incoming, Message, Parser};
+    use reflex::time::at_micros;
+
+    const TRACKING: Tracking = Tracking {
+        rate_hz: 20.0,
+        noise_m: 0.0,
+        noise_m_s: 0.0,
+    };
+
+    /// What a drone at rest is told in its first seconds, with the instants in ms.
+    fn told(flies_to_goals: bool, seconds: u64) -> Vec<(u64, Message)> {
+        let mut station = Station::new(flies_to_goals, &TRACKING, 1);
+        let target = Course::new(Mission::Hover, 1.0, 1).target();
+        let here = Vector3::new(1.0, 2.0, -3.0);
+        let mut parser = Parser::new();
+        let mut told = Vec::new();
+        for tick in 0..seconds * 100 {
+            let at_ns = tick * 10 * MILLISECOND_NS;
+            for frame in station.speak(at_ns, (&here, &Vector3::zeros()), &target) {
+                for incoming in parser.feed(at_micros(at_ns / 1000), &frame.bytes) {
+                    let Incoming::Message { message, .. } = incoming else {
+                        panic!("{incoming:?}");
+                    };
+                    told.push((tick * 10, message));
+                }
+            }
+        }
+        told
+    }
+
+    #[test]
+    fn the_drone_is_armed_four_times_before_take_off() {
+        let told = told(true, 3);
+        let armed = told.iter().filter(|told| told.1 == Message::Arm(true));
+        assert_eq!(
+            armed.map(|told| told.0).collect::<Vec<_>>(),
+            [1300, 1350, 1400, 1450]
+        );
+        let beats = told.iter().filter(|told| told.1 == Message::Heartbeat);
+        assert_eq!(beats.count(), 3);
+    }
+
+    #[test]
+    fn places_come_first_and_goals_behind_each_from_take_off_on() {
+        let told = told(true, 2);
+        let poses: Vec<u64> = (told.iter())
+            .filter(|told| matches!(told.1, Message::Pose(_)))
+            .map(|told| told.0)
+            .collect();
+        assert_eq!((poses[0], poses[1], poses.len()), (1000, 1050, 20));
+        let goals: Vec<u64> = (told.iter())
+            .filter(|told| matches!(told.1, Message::Goal(_)))
+            .map(|told| told.0)
+            .collect();
+        assert_eq!((goals[0], goals.len()), (1500, 10));
+    }
+
+    #[test]
+    fn a_logic_without_position_loops_is_told_attitudes() {
+        let told = told(false, 2);
+        assert!(!told.iter().any(|told| matches!(told.1, Message::Goal(_))));
+        let setpoint = told.iter().find_map(|told| match told.1 {
+            Message::Setpoint(setpoint) => Some(setpoint),
+            _ => None,
+        });
+        let attitude = setpoint
+            .and_then(|setpoint| setpoint.attitude)
+            .expect("one");
+        assert!(attitude.down_in_body().x.abs() > 0.05, "leans to the south");
+    }
+}

@@ -1,0 +1,106 @@
+//! Whole flights in closed loop: they stay up, they repeat, and both tiers hold.
+
+use super::*;
+use crate::firmware::Firmware;
+use crate::progress::Silent;
+use clap::ValueEnum;
+use reflex::time::micros;
+
+/// A short flight of a logic, natively.
+fn flown(environment: &str, options: &FlyOptions) -> FlightReport {
+    let scene = Scene::load(environment).unwrap();
+    let flown = fly(&scene, options, Flyer::Native, &mut Silent).unwrap();
+    flown.report
+}
+
+fn options(logic: LogicName, policy: Policy, seed: u32) -> FlyOptions {
+    FlyOptions {
+        logic,
+        settings: Settings {
+            policy,
+            seed,
+            ..Settings::default()
+        },
+        mission: Mission::Waypoints,
+        duration_s: 30.0,
+        scored_from_s: None,
+    }
+}
+
+const BY_THE_CLOCK: Policy = Policy::Periodic(micros(2_500));
+
+#[test]
+fn every_logic_stays_up_in_wind_with_either_policy() {
+    for logic in LogicName::value_variants() {
+        for policy in [Policy::Reactive, BY_THE_CLOCK] {
+            let report = flown("arch", &options(*logic, policy, 3));
+            assert_eq!(report.crash_line(), None, "{logic:?} {policy:?}");
+            let pitch = report.attitude_error_deg.pitch.unwrap();
+            assert!(pitch < 15.0, "{logic:?} {policy:?} pitch {pitch}");
+            assert!(report.flight_time_s.unwrap() > 300.0);
+        }
+    }
+}
+
+#[test]
+fn periodic_control_keeps_its_rate_and_reactive_control_spares_runs() {
+    let periodic = flown("lab", &options(LogicName::Cascade, BY_THE_CLOCK, 1));
+    let rate_hz = periodic.control.rate_hz.unwrap();
+    assert!((rate_hz - 400.0).abs() < 10.0, "{rate_hz}");
+    let reactive = flown("lab", &options(LogicName::Cascade, Policy::Reactive, 1));
+    let by_reason = reactive.control.by_reason;
+    assert!(by_reason.trigger > 0 && by_reason.periodic == 0);
+    assert!(reactive.control.rate_hz.unwrap() < 400.0);
+}
+
+#[test]
+fn the_same_seed_flies_the_same_flight_and_another_seed_another() {
+    let of = |seed| flown("rugby", &options(LogicName::ArduCopter, Policy::Reactive, seed));
+    let first = of(5);
+    assert_eq!(first, of(5));
+    assert_ne!(first.digest, of(6).digest);
+    let periodic = flown("rugby", &options(LogicName::ArduCopter, BY_THE_CLOCK, 5));
+    assert!(first.scored_from_s == periodic.scored_from_s);
+    assert_eq!(first.wind_m_s, periodic.wind_m_s, "the wind does not know who flies");
+}
+
+/// A crash is no number: where the scored part would be, there is nothing.
+#[test]
+fn a_drone_that_cannot_lift_itself_crashes_or_stays_but_scores_no_lie() {
+    let mut scene = Scene::load("arch").unwrap();
+    // Half of the thrust that it takes to turn against the wind, and none to spare.
+    scene.vehicle.rotors.full_thrust_n = 3.4;
+    let mut options = options(LogicName::Cascade, Policy::Reactive, 2);
+    options.duration_s = 60.0;
+    let report = fly(&scene, &options, Flyer::Native, &mut Silent).unwrap().report;
+    if report.crashed {
+        let errors = report.attitude_error_deg;
+        assert_eq!((errors.roll, errors.pitch, errors.yaw), (None, None, None));
+        assert_eq!((report.position_error_m, report.flight_time_s), (None, None));
+    } else {
+        assert!(report.position_error_m.unwrap() > 1.0, "{report:?}");
+    }
+}
+
+/// The firmware checks itself against the host on the way; see `emulated`.
+#[test]
+fn the_firmware_flies_in_closed_loop_and_comes_to_the_hosts_commands_bit_by_bit() {
+    let scene = Scene::load("arch").unwrap();
+    let mut options = options(LogicName::configured(), Policy::Reactive, 4);
+    options.duration_s = 14.0;
+    let firmware = Firmware::build(options.logic, &mut Silent).unwrap();
+    let fly = || {
+        let flyer = Flyer::Emulated(&firmware, 168);
+        fly(&scene, &options, flyer, &mut Silent).unwrap().report
+    };
+    let report = fly();
+    assert_eq!(report.crash_line(), None);
+    assert!(report.control.by_reason.trigger > 0);
+    let busy = report.cpu.unwrap().busy_fraction;
+    assert!((0.01..0.9).contains(&busy), "{busy}");
+    assert_eq!(report, fly(), "the same flight again");
+    // Natively samples differ by microseconds, and with them everything a little.
+    let native = super::fly(&scene, &options, Flyer::Native, &mut Silent).unwrap().report;
+    let (here, there) = (report.control.rate_hz.unwrap(), native.control.rate_hz.unwrap());
+    assert!((here / there - 1.0).abs() < 0.25, "{here} {there}");
+}

@@ -1,0 +1,93 @@
+//! What flies the simulated drone: the firmware on its board, or the same code natively.
+
+use anyhow::Result;
+use reflex::airframe::period_ticks;
+use reflex::app::Ran;
+use reflex::reactive::Phase;
+use reflex::settings::MotorProtocol;
+
+use super::desired::Desired;
+use super::report::Cpu;
+use crate::flights::LinkFrame;
+use crate::replay::alignment::TIMER_MHZ;
+
+/// A motor command, from the update event of the timers that applies it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Applied {
+    pub(super) at_ns: u64,
+    /// One throttle per motor, 0 to 1: what a speed controller reads from the pulse.
+    pub(super) throttles: Vec<f64>,
+}
+
+/// A run with the virtual time of its motor command.
+pub(super) type TimedRan = (u64, Ran);
+
+/// One flight's autopilot with its sensors, buses and timers.
+pub(super) trait Tier {
+    /// Runs to an instant of virtual time, ns.
+    ///
+    /// # Errors
+    /// A fault of the board, or firmware that contradicts the host.
+    fn run_until(&mut self, until_ns: u64) -> Result<()>;
+
+    /// Sends a frame to the autopilot, from its instant on.
+    fn transmit(&mut self, frame: LinkFrame);
+
+    /// Takes commands and runs since the last call, in order of time.
+    fn take(&mut self, applied: &mut Vec<Applied>, runs: &mut Vec<TimedRan>);
+
+    /// The attitude steered to.
+    fn desired(&mut self) -> Desired;
+
+    /// How control runs.
+    fn phase(&self) -> Phase;
+
+    /// The offset of the timers' update events from whole periods, ns.
+    fn update_offset_ns(&self) -> u64;
+
+    /// Ends the flight; what the processor did from an instant on, where there is one, and the
+    /// fingerprint of all motor commands.
+    ///
+    /// # Errors
+    /// What only the end shows of the firmware.
+    fn finish(self: Box<Self>, from_ns: u64) -> Result<(Option<Cpu>, String)>;
+}
+
+/// Time between two update events of the motors' timers, ns.
+pub(super) fn update_period_ns(protocol: MotorProtocol) -> u64 {
+    let (clocks_per_tick, ticks) = period_ticks(protocol);
+    u64::from(clocks_per_tick) * u64::from(ticks) * 1000 / TIMER_MHZ
+}
+
+/// The throttle that a speed controller reads from a pulse, 0 to 1; none without a pulse.
+pub(super) fn throttle(protocol: MotorProtocol, pulse_ns: u32) -> Option<f64> {
+    let shortest = match protocol {
+        MotorProtocol::OneShot125 => 125_000.0,
+        MotorProtocol::Pwm => 1_000_000.0,
+    };
+    (pulse_ns > 0).then(|| (f64::from(pulse_ns) / shortest - 1.0).clamp(0.0, 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pulse_means_the_throttle_of_its_protocol() {
+        for (protocol, pulse_ns, share) in [
+            (MotorProtocol::OneShot125, 125_000, 0.0),
+            (MotorProtocol::OneShot125, 187_500, 0.5),
+            (MotorProtocol::Pwm, 2_000_000, 1.0),
+            (MotorProtocol::Pwm, 900_000, 0.0),
+        ] {
+            assert_eq!(throttle(protocol, pulse_ns), Some(share));
+        }
+        assert_eq!(throttle(MotorProtocol::Pwm, 0), None);
+    }
+
+    #[test]
+    fn timers_beat_at_2_khz_or_at_400_hz() {
+        assert_eq!(update_period_ns(MotorProtocol::OneShot125), 500_000);
+        assert_eq!(update_period_ns(MotorProtocol::Pwm), 2_500_000);
+    }
+}

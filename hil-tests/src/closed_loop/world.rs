@@ -1,0 +1,290 @@
+//! The simulated world: a drone in wind, moved by motor commands, felt by chips.
+
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use anyhow::{Result, anyhow};
+use flight_dynamics::{self as dynamics, Drone, Place, State};
+use nalgebra::Vector3;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use reflex_config::plant::{self, Environment, Vehicle};
+use reflex_config::{Airframe, Spin};
+
+use super::felt::Felt;
+use super::tier::Applied;
+use crate::chips::Stimulus;
+
+/// Longest step of the dynamics, ns.
+pub(super) const STEP_NS: u64 = 500_000;
+/// Slowest that turbulence is carried past the drone, m/s: in still air it moves by itself.
+const SLOWEST_AIR: f64 = 1.0;
+/// Temperature of the chips: their own errors do not depend on it.
+const TEMPERATURE_C: f64 = 25.0;
+/// Density of the air, kg/m3 (ISO 2533, sea level).
+const AIR_DENSITY: f64 = 1.225;
+/// Keeps the mean wind's direction apart from other chance of the same seed.
+const STREAM: u64 = 0x5749_4E44;
+
+/// One drone in one weather.
+pub(super) struct World {
+    drone: Drone,
+    wind: dynamics::Wind,
+    /// The air's velocity in the newest step, m/s.
+    pub(super) air: Vector3<f64>,
+    pub(super) felt: Arc<Felt>,
+    now_ns: u64,
+    commands: VecDeque<Applied>,
+    throttles: Vec<f64>,
+}
+
+impl World {
+    /// A drone at rest on the ground.
+    ///
+    /// # Errors
+    /// Parameters that describe no drone or no weather, by their name and range.
+    pub(super) fn new(
+        (vehicle, airframe): (&Vehicle, &Airframe),
+        environment: &Environment,
+        seed: u64,
+    ) -> Result<Self> {
+        let vehicle = vehicle_of(vehicle, airframe);
+        let weather = weather_of(environment, seed);
+        let drone = Drone::new(&vehicle, Place::default(), &weather)?;
+        let felt = Arc::new(Felt::new(0, stimulus(&drone)));
+        Ok(Self {
+            wind: dynamics::Wind::new(&weather, seed)?,
+            air: Vector3::zeros(),
+            felt,
+            now_ns: 0,
+            commands: VecDeque::new(),
+            throttles: vec![0.0; airframe.motors.len()],
+            drone,
+        })
+    }
+
+    /// A command that will apply; later ones are given later.
+    pub(super) fn command(&mut self, applied: Applied) {
+        self.commands.push_back(applied);
+    }
+
+    /// Moves on to an instant, not more than a step away.
+    ///
+    /// # Errors
+    /// The simulation diverged, with time and state.
+    pub(super) fn advance_to(&mut self, until_ns: u64) -> Result<()> {
+        while self.now_ns < until_ns {
+            while let Some(due) = self.commands.pop_front_if(|next| next.at_ns <= self.now_ns) {
+                self.throttles = due.throttles;
+            }
+            let next = self.commands.front().map_or(until_ns, |next| next.at_ns);
+            let stop_ns = next.min(until_ns);
+            let dt_s = (stop_ns - self.now_ns) as f64 * 1e-9;
+            self.air = self.wind.advance(dt_s);
+            self.drone
+                .advance(dt_s, &self.throttles, self.air)
+                .map_err(|diverged| anyhow!("{diverged}"))?;
+            self.now_ns = stop_ns;
+        }
+        self.felt.push(self.now_ns, stimulus(&self.drone));
+        Ok(())
+    }
+
+    pub(super) fn drone(&self) -> &Drone {
+        &self.drone
+    }
+
+    pub(super) fn state(&self) -> &State {
+        self.drone.state()
+    }
+
+    /// Roll, pitch and yaw, rad.
+    pub(super) fn angles(&self) -> [f64; 3] {
+        let (roll, pitch, yaw) = self.state().attitude.euler_angles();
+        [roll, pitch, yaw]
+    }
+}
+
+fn stimulus(drone: &Drone) -> Stimulus {
+    let felt = drone.felt();
+    Stimulus {
+        gyro: felt.rates.into(),
+        specific_force: felt.specific_force.into(),
+        magnetic_field: felt.magnetic_field.into(),
+        temperature_c: TEMPERATURE_C,
+    }
+}
+
+fn vehicle_of(vehicle: &Vehicle, airframe: &Airframe) -> dynamics::Vehicle {
+    let plant::Vehicle {
+        rotors,
+        drag,
+        esc,
+        battery,
+        vibration,
+        skids,
+        ..
+    } = vehicle;
+    dynamics::Vehicle {
+        mass: vehicle.mass_kg,
+        inertia: vehicle.inertia_kg_m2.into(),
+        motors: motors_of(rotors, airframe),
+        propulsion: dynamics::Propulsion {
+            full_thrust: rotors.full_thrust_n,
+            full_speed: rotors.full_speed_rad_s,
+            expo: rotors.thrust_bend,
+            torque_per_thrust: rotors.torque_per_thrust_m,
+            lag_up: rotors.lag_s[0],
+            lag_down: rotors.lag_s[1],
+            rotor_inertia: rotors.inertia_kg_m2,
+            rotor_radius: rotors.radius_m,
+            figure_of_merit: rotors.figure_of_merit,
+            electronics: battery.electronics_w,
+        },
+        drag: dynamics::Drag {
+            linear: drag.linear.into(),
+            quadratic: drag.quadratic.into(),
+            rotor_across: rotors.drag_across,
+            rotor_along: rotors.drag_along,
+            rotational: drag.turning.into(),
+        },
+        esc: dynamics::Esc {
+            steps: Some(esc.steps),
+            dead_zone: esc.dead_zone,
+        },
+        battery: dynamics::Battery {
+            cells: battery.cells,
+            open_circuit: battery.open_circuit.clone(),
+            resistance: battery.resistance_ohm,
+            capacity: battery.capacity_ah,
+        },
+        vibration: dynamics::Vibration {
+            force: vibration.force,
+            force_double: vibration.force_double,
+            rate: vibration.rate,
+            rate_double: vibration.rate_double,
+        },
+        skids: dynamics::Skids {
+            reach: skids.reach_m,
+            height: skids.height_m,
+            friction: 0.6,
+        },
+        biases: dynamics::Biases::default(),
+    }
+}
+
+fn motors_of(rotors: &plant::Rotors, airframe: &Airframe) -> Vec<dynamics::Motor> {
+    let motors = airframe.motors.iter().enumerate();
+    let motor = |(place, motor): (usize, &reflex_config::Motor)| dynamics::Motor {
+        arm_angle: motor.angle_deg.to_radians(),
+        arm_length: rotors.arm_m,
+        height: 0.0,
+        spin: match motor.spin {
+            Spin::Cw => dynamics::Spin::Clockwise,
+            Spin::Ccw => dynamics::Spin::CounterClockwise,
+        },
+        efficiency: if rotors.lower.contains(&(place + 1)) {
+            rotors.lower_efficiency
+        } else {
+            1.0
+        },
+    };
+    motors.map(motor).collect()
+}
+
+fn weather_of(environment: &Environment, seed: u64) -> dynamics::Environment {
+    let Environment {
+        wind,
+        gusts,
+        shelters,
+        field_gauss: [north, down],
+        ..
+    } = environment;
+    let mut chance = ChaCha8Rng::seed_from_u64(seed);
+    chance.set_stream(STREAM);
+    let aside = (chance.next_u64() >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
+    let from = (wind.from_deg + aside * wind.spread_deg).to_radians();
+    let airspeed = wind.mean_m_s.max(SLOWEST_AIR);
+    dynamics::Environment {
+        air_density: AIR_DENSITY,
+        magnetic_field: Vector3::new(*north, 0.0, *down),
+        wind: dynamics::WindClimate {
+            mean: -wind.mean_m_s * Vector3::new(from.cos(), from.sin(), 0.0),
+            speed_at_20_ft: wind.turbulence_m_s,
+            nominal_altitude: wind.height_m,
+            nominal_airspeed: airspeed,
+            gusts: Some(dynamics::Gusts {
+                mean_interval: gusts.interval_s,
+                amplitude: gusts.speed_m_s,
+                length: (0.5 * gusts.length_s * airspeed).max(0.5),
+            }),
+            sheltered: (shelters.iter())
+                .map(|shelter| dynamics::Shelter {
+                    from: shelter.from_deg.to_radians() % TAU,
+                    half_width: 0.5 * shelter.width_deg.to_radians(),
+                    factor: shelter.passes,
+                })
+                .collect(),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chips::StimulusSource;
+    use std::path::Path;
+
+    fn world(environment: &str, seed: u64) -> World {
+        let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("../config");
+        let (vehicle, airframe) = Vehicle::load(&config, "quad_x").unwrap();
+        let environment = Environment::load(&config, environment).unwrap();
+        World::new((&vehicle, &airframe), &environment, seed).unwrap()
+    }
+
+    #[test]
+    fn at_rest_the_chips_feel_gravity_and_the_field() {
+        let mut world = world("lab", 1);
+        for step in 1..=200 {
+            world.advance_to(step * STEP_NS).unwrap();
+        }
+        let felt = world.felt.at(100 * STEP_NS);
+        assert!((felt.specific_force[2] + 9.80665).abs() < 0.01, "{felt:?}");
+        assert!((felt.magnetic_field[0] - 0.21).abs() < 1e-3, "{felt:?}");
+    }
+
+    #[test]
+    fn a_command_counts_from_its_instant_on() {
+        let mut world = world("lab", 1);
+        world.command(Applied {
+            at_ns: 3 * STEP_NS / 2,
+            throttles: vec![0.9; 4],
+        });
+        world.advance_to(STEP_NS).unwrap();
+        assert_eq!(world.throttles, [0.0; 4]);
+        world.advance_to(2 * STEP_NS).unwrap();
+        assert_eq!(world.throttles, [0.9; 4]);
+        for step in 3..=2_000 {
+            world.advance_to(step * STEP_NS).unwrap();
+        }
+        assert!(world.drone().height() > 1.0, "{}", world.drone().height());
+    }
+
+    #[test]
+    fn the_wind_of_a_seed_is_the_same_whatever_flies() {
+        let air = |throttle: f64| {
+            let mut world = world("arch", 3);
+            world.command(Applied {
+                at_ns: 0,
+                throttles: vec![throttle; 4],
+            });
+            let step = |step| {
+                world.advance_to(step * STEP_NS).unwrap();
+                world.air
+            };
+            (1..=2_000).map(step).collect::<Vec<_>>()
+        };
+        assert_eq!(air(0.0), air(0.7));
+    }
+}
