@@ -81,7 +81,8 @@ pub struct Propulsion {
     pub full_speed: f64,
     /// Bend `e` of the thrust curve, 0 to 1.
     ///
-    /// At the share `s` of full throttle the thrust's share is `(1 - e) s + e s^2` (ArduPilot's MOT_THST_EXPO; about 0.65 measured for common rotors).
+    /// At the share `s` of full throttle the thrust's share is `(1 - e) s + e s^2` (ArduPilot's
+    /// MOT_THST_EXPO; about 0.65 measured for common rotors).
     pub expo: f64,
     /// Torque of a rotor over its thrust, m, 0 to 1; about 0.015 to 0.04.
     pub torque_per_thrust: f64,
@@ -95,7 +96,8 @@ pub struct Propulsion {
     pub rotor_radius: f64,
     /// Ideal power of hovering over electric power, 0.05 to 1.
     ///
-    /// That of rotor, motor and controller together. Electric power is `T^1.5 / (figure of merit * sqrt(2 density area))`.
+    /// That of rotor, motor and controller together. Electric power is `T^1.5 / (figure of merit
+    /// * sqrt(2 density area))`.
     pub figure_of_merit: f64,
     /// Power of the electronics, W, 0 to 1000.
     pub electronics: f64,
