@@ -96,8 +96,8 @@ pub struct Propulsion {
     pub rotor_radius: f64,
     /// Ideal power of hovering over electric power, 0.05 to 1.
     ///
-    /// That of rotor, motor and controller together. Electric power is `T^1.5 / (figure of merit
-    /// * sqrt(2 density area))`.
+    /// That of rotor, motor and controller together. Electric power is that of momentum theory,
+    /// `T^1.5 / sqrt(2 density area)`, over this.
     pub figure_of_merit: f64,
     /// Power of the electronics, W, 0 to 1000.
     pub electronics: f64,
