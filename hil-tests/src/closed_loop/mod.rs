@@ -120,6 +120,27 @@ pub struct FlyOptions {
     /// Where the scored part begins, s from take-off; none for as soon as the drone is up and
     /// has learned.
     pub scored_from_s: Option<f64>,
+    /// How the drone differs from the one that the gains are for.
+    pub stress: Stress,
+}
+
+/// A drone that answers more strongly, or later: what gain and delay margins are measured with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stress {
+    /// How many times the angular acceleration that its motors give it.
+    pub gain: f64,
+    /// How much later motor commands apply, s.
+    pub delay_s: f64,
+}
+
+impl Default for Stress {
+    /// None.
+    fn default() -> Self {
+        Self {
+            gain: 1.0,
+            delay_s: 0.0,
+        }
+    }
 }
 
 /// Flies, and tells what came of it: a crash is a report as well.
@@ -185,7 +206,9 @@ struct Scored {
 impl<'o> Flight<'o> {
     fn new(scene: &Scene, options: &'o FlyOptions, flyer: Flyer<'_>) -> Result<Self> {
         let seed = u64::from(options.settings.seed);
-        let world = World::new((&scene.vehicle, &scene.airframe), &scene.environment, seed)?;
+        let mut vehicle = scene.vehicle.clone();
+        vehicle.inertia_kg_m2 = vehicle.inertia_kg_m2.map(|axis| axis / options.stress.gain);
+        let world = World::new((&vehicle, &scene.airframe), &scene.environment, seed)?;
         let source: Arc<dyn StimulusSource> = Arc::clone(&world.felt) as _;
         let told = (options.settings, options.logic);
         let chips = ChipOptions {
@@ -234,7 +257,9 @@ impl<'o> Flight<'o> {
         let (looks, keeps) = (passes(LOOK_NS), passes(KEPT_NS));
         self.now_ns = next_ns;
         self.tier.take(&mut self.applied, &mut self.runs);
-        for applied in self.applied.drain(..) {
+        let delay_ns = (self.options.stress.delay_s * 1e9) as u64;
+        for mut applied in self.applied.drain(..) {
+            applied.at_ns += delay_ns;
             self.world.command(applied);
         }
         for (at_ns, ran) in self.runs.drain(..) {
@@ -313,9 +338,11 @@ impl<'o> Flight<'o> {
         };
         scored.wind_sum += self.world.air.norm();
         scored.looks += 1;
-        let position = self.world.state().position;
+        let state = self.world.state();
+        let (position, rates) = (state.position, state.rates);
         let angles = self.world.angles();
         self.measures.look(desired, angles, (target, &position));
+        self.measures.turning.add(rates.norm());
     }
 
     fn begins_to_count(&self) -> bool {
@@ -373,6 +400,7 @@ impl<'o> Flight<'o> {
         Ok(FlightReport {
             environment: scene.environment_name.clone(),
             airframe: reflex::config::AIRFRAME.to_owned(),
+            bandwidth: (f64::from(reflex::config::BANDWIDTH) * 100.0).round() / 100.0,
             logic: options.logic.word().to_owned(),
             mission: options.mission.name().to_owned(),
             tier: tier.to_owned(),
@@ -386,6 +414,7 @@ impl<'o> Flight<'o> {
             crash,
             attitude_error_deg: errors,
             position_error_m,
+            turning_rad_s: whole.and_then(|_| self.measures.turning.value()),
             control,
             cpu,
             energy_j,

@@ -53,7 +53,9 @@ fn pulses(protocol: MotorProtocol, ran: &Ran) -> Vec<u32> {
 /// The first update event behind the instant at which a command was written, ns.
 fn applied_ns(protocol: MotorProtocol, written_ns: u64) -> u64 {
     let period_ns = update_period_ns(protocol);
-    (written_ns / period_ns).saturating_add(1).saturating_mul(period_ns)
+    (written_ns / period_ns)
+        .saturating_add(1)
+        .saturating_mul(period_ns)
 }
 
 impl Tier for NativeTier {

@@ -200,7 +200,9 @@ impl NativeBoard {
         let due_ns = |event| self.agenda.due_ns(event);
         let sample_ns = due_ns(Event::ImuLine).saturating_add(SHORTEST_BURST_NS);
         let soonest = [
-            sample_ns.min(due_ns(Event::Burst)).saturating_add(ARRIVAL_NS),
+            sample_ns
+                .min(due_ns(Event::Burst))
+                .saturating_add(ARRIVAL_NS),
             due_ns(Event::Hyperperiod),
             due_ns(Event::LateHyperperiod),
             due_ns(Event::Timer),
