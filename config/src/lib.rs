@@ -66,6 +66,8 @@ pub struct Configuration {
     pub board: Board,
     /// Where the motors are.
     pub airframe: Airframe,
+    /// How many times as fast attitude and rate loops are as their files say; 1 but for experiments.
+    pub bandwidth: f64,
     /// The gains of every control logic, selected or not.
     pub logics: Vec<Logic>,
 }
@@ -81,10 +83,12 @@ pub fn load(dir: &Path) -> Result<Configuration, ConfigError> {
 
 /// As [`load`]; `REFLEX_BOARD`, `REFLEX_AIRFRAME` and `REFLEX_LOGIC` come before the selection.
 ///
-/// `variable` is asked for the value of each; none, or an empty one, leaves the file's choice.
+/// `REFLEX_BANDWIDTH`, 0.25 to 4, makes attitude and rate loops so many times as fast: an
+/// experiment across all control logics. `variable` is asked for the value of each; none, or an
+/// empty one, leaves the file's choice.
 ///
 /// # Errors
-/// As [`load`]; a name that does not exist is said of where it was chosen.
+/// As [`load`]; what a variable says wrong is said of that variable.
 pub fn load_chosen(
     dir: &Path,
     variable: impl Fn(&str) -> Option<String>,
@@ -115,7 +119,13 @@ pub fn load_chosen(
     airframe.check(&document)?;
 
     selected("logic", "logics", &mut selection.logic)?;
-    let logics = logic::load_all(dir)?;
+    let mut logics = logic::load_all(dir)?;
+    let bandwidth = bandwidth(variable(BANDWIDTH))?;
+    for logic in &mut logics {
+        logic
+            .quicken(bandwidth)
+            .map_err(|message| ConfigError::of_file(Path::new(BANDWIDTH), message))?;
+    }
 
     let document = Document::open(&dir.join("reactive.toml"))?;
     let reactive: Reactive = document.parse()?;
@@ -126,8 +136,25 @@ pub fn load_chosen(
         reactive,
         board,
         airframe,
+        bandwidth,
         logics,
     })
+}
+
+/// The variable that makes loops faster or slower.
+const BANDWIDTH: &str = "REFLEX_BANDWIDTH";
+
+fn bandwidth(text: Option<String>) -> Result<f64, ConfigError> {
+    let Some(text) = text.filter(|text| !text.is_empty()) else {
+        return Ok(1.0);
+    };
+    match text.parse() {
+        Ok(bandwidth) if (0.25..=4.0).contains(&bandwidth) => Ok(bandwidth),
+        _ => Err(ConfigError::of_file(
+            Path::new(BANDWIDTH),
+            format!("{text} is out of range, must be 0.25 to 4"),
+        )),
+    }
 }
 
 /// The file that a name selects, or what could be selected instead.

@@ -29,6 +29,7 @@ const fn number(path: [&'static str; 2], range: Range, unit: &'static str) -> Ga
         range,
         unit,
         meaning: "",
+        growth: 0,
     }
 }
 
@@ -61,6 +62,15 @@ impl Gain {
     /// With what it does, in words that end without a full stop.
     const fn meaning(mut self, meaning: &'static str) -> Self {
         self.meaning = meaning;
+        self
+    }
+
+    /// A gain of the attitude or rate loop, and the power of their bandwidth that it grows with.
+    ///
+    /// Loops that are to be twice as fast ask for twice the rate per error, twice the torque per
+    /// rate, and four times the torque per angle.
+    const fn grows(mut self, power: i32) -> Self {
+        self.growth = power;
         self
     }
 

@@ -62,6 +62,11 @@ impl Configuration {
             ("BOARD", text(&chosen.board), "Name of the board."),
             ("AIRFRAME", text(&chosen.airframe), "Name of the airframe."),
             ("LOGIC", text(&chosen.logic), "Name of the control logic."),
+            (
+                "BANDWIDTH",
+                float(self.bandwidth),
+                "How many times as fast attitude and rate loops are as configured.",
+            ),
         ]
     }
 }

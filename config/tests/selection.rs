@@ -43,3 +43,61 @@ fn an_unknown_name_is_said_of_its_variable_with_those_that_are_known() {
         );
     }
 }
+
+#[test]
+fn a_bandwidth_multiplies_the_gains_of_attitude_and_rate_loops() {
+    let gains = |factor: &str| {
+        let source = with("REFLEX_BANDWIDTH", factor).unwrap().to_rust();
+        let cascade = source.split("pub mod cascade").nth(1).unwrap();
+        let constant = |name: &str| {
+            let line = cascade.lines().find(|line| line.contains(name)).unwrap();
+            line.split(" = ").nth(1).unwrap().to_owned()
+        };
+        [" RATE_P:", " RATE_I:", " ATTITUDE_P:", " RATE_D_CUTOFF:"].map(constant)
+    };
+    assert_eq!(
+        gains(""),
+        [
+            "[0.06, 0.06, 0.1];",
+            "[0.06, 0.06, 0.05];",
+            "[6.0, 6.0, 3.0];",
+            "20.0;"
+        ]
+    );
+    assert_eq!(
+        gains("2"),
+        [
+            "[0.12, 0.12, 0.2];",
+            "[0.24, 0.24, 0.2];",
+            "[12.0, 12.0, 6.0];",
+            "20.0;"
+        ]
+    );
+}
+
+#[test]
+fn a_bandwidth_that_is_no_number_or_brings_a_gain_out_of_its_range_is_refused() {
+    for (factor, expected) in [
+        (
+            "fast",
+            "REFLEX_BANDWIDTH: fast is out of range, must be 0.25 to 4",
+        ),
+        (
+            "nan",
+            "REFLEX_BANDWIDTH: nan is out of range, must be 0.25 to 4",
+        ),
+        (
+            "5",
+            "REFLEX_BANDWIDTH: 5 is out of range, must be 0.25 to 4",
+        ),
+        (
+            "4",
+            "REFLEX_BANDWIDTH: 4 brings arducopter's angle.p to 18, must be above 0 and at most 12",
+        ),
+    ] {
+        assert_eq!(
+            with("REFLEX_BANDWIDTH", factor).unwrap_err().to_string(),
+            expected
+        );
+    }
+}

@@ -1,8 +1,8 @@
-//! This program, built for an airframe: how many motors there are is fixed by the build.
+//! This program, built for an airframe, or with faster loops: both are fixed by the build.
 //!
-//! The number of motors and their mixer are constants of the firmware, so each airframe has a
-//! build of its own, kept beside the others. Only what depends on `reflex` is built again; the
-//! emulator is not.
+//! The number of motors, their mixer and the gains are constants of the firmware, so each
+//! [`Variant`] has a build of its own, kept beside the others. Only what depends on `reflex` is
+//! built again; the emulator is not.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -10,15 +10,50 @@ use std::{env, fs};
 
 use anyhow::{Context, Result};
 use cargo_metadata::Message;
-use reflex::config::AIRFRAME;
+use reflex::config::{AIRFRAME, BANDWIDTH};
 use reflex_config::plant::Vehicle;
 
 use crate::progress::Progress;
 use crate::refusal::Refusal;
 use crate::toolchain;
 
-/// Chooses the airframe of a build, before `config/selection.toml`.
-const VARIABLE: &str = "REFLEX_AIRFRAME";
+/// How many times as fast as configured attitude and rate loops may be built.
+pub const BANDWIDTHS: [f64; 5] = [1.0, 0.5, 0.7, 1.4, 2.0];
+
+/// What is fixed by a build of this program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variant {
+    /// Name of the airframe.
+    pub airframe: String,
+    /// One of [`BANDWIDTHS`].
+    pub bandwidth: f64,
+}
+
+impl Variant {
+    /// An airframe with the loops as they are configured.
+    #[must_use]
+    pub fn of(airframe: &str) -> Self {
+        Self {
+            airframe: airframe.to_owned(),
+            bandwidth: 1.0,
+        }
+    }
+
+    /// What this very program was built for.
+    #[must_use]
+    pub fn built_in(&self) -> bool {
+        self.airframe == AIRFRAME && self.bandwidth as f32 == BANDWIDTH
+    }
+
+    /// Its name, also of the folder that its build is kept in.
+    fn name(&self) -> String {
+        if self.bandwidth == 1.0 {
+            self.airframe.clone()
+        } else {
+            format!("{}_{}", self.airframe, self.bandwidth)
+        }
+    }
+}
 
 /// The airframes that can be flown: those with a vehicle.
 ///
@@ -28,41 +63,63 @@ pub fn names() -> Result<Vec<String>> {
     Ok(Vehicle::names(&toolchain::root().join("config"))?)
 }
 
-/// A command that calls this program as built for an airframe; builds it where it is not yet.
+/// A command that calls this program as a variant; builds that where it is not yet.
 ///
 /// # Errors
-/// An unknown name, with those that are known (a refusal); a build that fails.
-pub fn program(airframe: &str, progress: &mut dyn Progress) -> Result<Command> {
+/// An unknown airframe or bandwidth, with those that are known (a refusal); a build that fails.
+pub fn program(variant: &Variant, progress: &mut dyn Progress) -> Result<Command> {
+    let number = number(variant)?;
+    let path = if variant.built_in() {
+        env::current_exe()?
+    } else {
+        progress.stage(&format!("Building for {}", variant.name()));
+        build(variant, number, progress)?
+    };
+    let mut command = Command::new(path);
+    // The firmware that it builds is of the same kind.
+    chosen(variant, &mut command);
+    Ok(command)
+}
+
+/// Chooses a variant for a build, before the files of `config/`.
+fn chosen(variant: &Variant, command: &mut Command) {
+    command
+        .env("REFLEX_AIRFRAME", &variant.airframe)
+        .env("REFLEX_BANDWIDTH", variant.bandwidth.to_string());
+}
+
+/// A number that no other variant has.
+fn number(variant: &Variant) -> Result<usize> {
     let known = names()?;
-    let Some(place) = known.iter().position(|name| name == airframe) else {
+    let Some(airframe) = known.iter().position(|name| *name == variant.airframe) else {
         return Err(Refusal::new(format!(
-            "--airframe {airframe}: must be one of {}",
+            "--airframe {}: must be one of {}",
+            variant.airframe,
             known.join(", ")
         ))
         .into());
     };
-    let path = if airframe == AIRFRAME {
-        env::current_exe()?
-    } else {
-        progress.stage(&format!("Building for {airframe}"));
-        build(airframe, place, progress)?
+    let mut bandwidths = BANDWIDTHS.iter();
+    let Some(bandwidth) = bandwidths.position(|known| *known == variant.bandwidth) else {
+        return Err(Refusal::new(format!(
+            "--bandwidth {}: must be one of {BANDWIDTHS:?}",
+            variant.bandwidth
+        ))
+        .into());
     };
-    let mut command = Command::new(path);
-    // The firmware that it builds is for the same airframe.
-    command.env(VARIABLE, airframe);
-    Ok(command)
+    Ok(bandwidth * known.len() + airframe)
 }
 
-fn build(airframe: &str, place: usize, progress: &mut dyn Progress) -> Result<PathBuf> {
+fn build(variant: &Variant, number: usize, progress: &mut dyn Progress) -> Result<PathBuf> {
     let mut build = toolchain::cargo();
+    chosen(variant, &mut build);
     build
-        .env(VARIABLE, airframe)
         .args(["build", "--profile", "hil", "--ignore-rust-version"])
         .args(["--package", "hil-tests", "--bin", "hil"])
         .arg("--message-format=json-render-diagnostics");
     // Cargo keeps builds apart that differ in a profile, not those that differ in a variable: with
-    // a number of its own each airframe is built once, and none in the place of another.
-    let units = 17 + place;
+    // a number of its own each variant is built once, and none in the place of another.
+    let units = 17 + number;
     build.args([
         "--config",
         &format!("profile.hil.package.reflex.codegen-units={units}"),
@@ -78,8 +135,8 @@ fn build(airframe: &str, place: usize, progress: &mut dyn Progress) -> Result<Pa
         })
         .last()
         .context("cargo named no program that it built")?;
-    // The next build of any airframe takes that name again.
-    let folder = built.with_file_name("airframes").join(airframe);
+    // The next build of any variant takes that name again.
+    let folder = built.with_file_name("variants").join(variant.name());
     fs::create_dir_all(&folder)?;
     let kept = folder.join("hil");
     let fresh = kept.with_extension("new");

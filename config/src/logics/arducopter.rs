@@ -20,10 +20,12 @@ pub(crate) const GAINS: &[Gain] = &[
     .named("DRIFT_LIMIT")
     .meaning("How fast the learned drift may change"),
     axes(["angle", "p"], above(0.0, 12.0), "1/s")
-        .meaning("Body rate asked for per radian of a small error"),
+        .meaning("Body rate asked for per radian of a small error")
+        .grows(1),
     axes(["angle", "acceleration_rad_s2"], above(0.0, 40.0), "rad/s2")
         .named("ANGLE_ACCELERATION")
-        .meaning("Deceleration by which a larger error may be approached"),
+        .meaning("Deceleration by which a larger error may be approached")
+        .grows(2),
     number(["angle", "yaw_error_limit_rad"], above(0.0, 3.0), "rad")
         .named("YAW_ERROR_LIMIT")
         .meaning("Most of a yaw error that is corrected at once"),
@@ -32,19 +34,22 @@ pub(crate) const GAINS: &[Gain] = &[
         within(0.0, 1.0),
         "share of full authority per rad/s",
     )
-    .meaning("Torque asked for per error of the rate"),
+    .meaning("Torque asked for per error of the rate")
+    .grows(1),
     axes(
         ["rate", "i"],
         within(0.0, 2.0),
         "share of full authority per rad",
     )
-    .meaning("Torque asked for per integrated error of the rate"),
+    .meaning("Torque asked for per integrated error of the rate")
+    .grows(2),
     axes(
         ["rate", "d"],
         within(0.0, 0.05),
         "share of full authority per rad/s2",
     )
-    .meaning("Torque asked for per derivative of the rate's error"),
+    .meaning("Torque asked for per derivative of the rate's error")
+    .grows(1),
     number(
         ["rate", "integral_limit"],
         within(0.0, 0.5),

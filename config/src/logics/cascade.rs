@@ -11,7 +11,8 @@ pub(crate) const GAINS: &[Gain] = &[
         .named("HEADING_CORRECTION")
         .meaning("How fast the heading follows the magnetometer"),
     axes(["attitude", "p"], within(0.0, 30.0), "1/s")
-        .meaning("Body rate asked for per radian of error"),
+        .meaning("Body rate asked for per radian of error")
+        .grows(1),
     axes(["attitude", "rate_limit_rad_s"], above(0.0, 35.0), "rad/s")
         .named("ATTITUDE_RATE_LIMIT")
         .meaning("Most that the attitude loop asks for"),
@@ -20,19 +21,22 @@ pub(crate) const GAINS: &[Gain] = &[
         within(0.0, 2.0),
         "share of full authority per rad/s",
     )
-    .meaning("Torque asked for per error of the rate"),
+    .meaning("Torque asked for per error of the rate")
+    .grows(1),
     axes(
         ["rate", "i"],
         within(0.0, 5.0),
         "share of full authority per rad",
     )
-    .meaning("Torque asked for per integrated error of the rate"),
+    .meaning("Torque asked for per integrated error of the rate")
+    .grows(2),
     axes(
         ["rate", "d"],
         within(0.0, 0.1),
         "share of full authority per rad/s2",
     )
-    .meaning("Torque taken back per measured angular acceleration"),
+    .meaning("Torque taken back per measured angular acceleration")
+    .grows(1),
     number(["rate", "d_cutoff_hz"], within(1.0, 200.0), "Hz")
         .named("RATE_D_CUTOFF")
         .meaning("Corner of the derivative's low-pass filter"),

@@ -30,30 +30,35 @@ pub(crate) const GAINS: &[Gain] = &[
     )
     .meaning("How much of Earth's field is horizontal"),
     number(["level", "p"], within(0.0, 30.0), "1/s")
-        .meaning("Body rate asked for per radian of roll or pitch that is missing"),
+        .meaning("Body rate asked for per radian of roll or pitch that is missing")
+        .grows(1),
     number(["level", "max_lean_rad"], above(0.0, 1.5), "rad")
         .named("LEVEL_MAX_LEAN")
         .meaning("The farthest lean that may be asked for"),
     number(["level", "heading_p"], within(0.0, 10.0), "1/s")
-        .meaning("Yaw rate asked for per radian of heading that is missing"),
+        .meaning("Yaw rate asked for per radian of heading that is missing")
+        .grows(1),
     axes(
         ["rate", "p"],
         within(0.0, 2.0),
         "share of full authority per rad/s",
     )
-    .meaning("Torque asked for per error of the rate"),
+    .meaning("Torque asked for per error of the rate")
+    .grows(1),
     axes(
         ["rate", "i"],
         within(0.0, 5.0),
         "share of full authority per rad",
     )
-    .meaning("Torque asked for per integrated error of the rate"),
+    .meaning("Torque asked for per integrated error of the rate")
+    .grows(2),
     axes(
         ["rate", "d"],
         within(0.0, 0.1),
         "share of full authority per rad/s2",
     )
-    .meaning("Torque taken back per measured angular acceleration"),
+    .meaning("Torque taken back per measured angular acceleration")
+    .grows(1),
     number(["rate", "d_cutoff_hz"], within(1.0, 200.0), "Hz")
         .named("RATE_D_CUTOFF")
         .meaning("Corner of the derivative's low-pass filter"),

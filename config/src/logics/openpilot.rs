@@ -23,9 +23,11 @@ pub(crate) const GAINS: &[Gain] = &[
         .named("BIAS_LIMIT")
         .meaning("Most that the gyroscope's bias comes to"),
     axes(["attitude", "kp"], within(0.0, 30.0), "1/s")
-        .meaning("Body rate asked for per radian of error"),
+        .meaning("Body rate asked for per radian of error")
+        .grows(1),
     axes(["attitude", "ki"], within(0.0, 30.0), "1/s2")
-        .meaning("Body rate asked for per integrated error"),
+        .meaning("Body rate asked for per integrated error")
+        .grows(2),
     axes(
         ["attitude", "integral_limit_rad_s"],
         within(0.0, 10.0),
@@ -48,19 +50,22 @@ pub(crate) const GAINS: &[Gain] = &[
         within(0.0, 2.0),
         "share of full authority per rad/s",
     )
-    .meaning("Torque asked for per error of the rate"),
+    .meaning("Torque asked for per error of the rate")
+    .grows(1),
     axes(
         ["rate", "ki"],
         within(0.0, 5.0),
         "share of full authority per rad",
     )
-    .meaning("Torque asked for per integrated error of the rate"),
+    .meaning("Torque asked for per integrated error of the rate")
+    .grows(2),
     axes(
         ["rate", "kd"],
         within(0.0, 0.1),
         "share of full authority per rad/s2",
     )
-    .meaning("Torque taken back per measured angular acceleration"),
+    .meaning("Torque taken back per measured angular acceleration")
+    .grows(1),
     number(["rate", "d_cutoff_hz"], within(1.0, 200.0), "Hz")
         .named("RATE_D_CUTOFF")
         .meaning("Corner of the derivative's low-pass filter"),

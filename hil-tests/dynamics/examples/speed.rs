@@ -1,4 +1,4 @@
-//! Flies a quad for as many simulated seconds as asked for, to be timed from outside.
+//! Flies a quad for some simulated seconds, to be timed from outside.
 //!
 //! `time cargo run --release --example speed -- 1000` divided by the steps it prints.
 

@@ -11,8 +11,9 @@ const MOST_POINTS: usize = 64;
 pub struct Battery {
     /// Cells in series, 1 to 24.
     pub cells: u32,
-    /// State of charge, 0 to 1 and rising, and one cell's open-circuit voltage there, V; from
-    /// the cell's data sheet at a small current. Straight lines between, flat outside.
+    /// State of charge, 0 to 1 and rising, and one cell's open-circuit voltage, V.
+    ///
+    /// From the cell's data sheet at a small current. Straight lines between, flat outside.
     pub open_circuit: Vec<[f64; 2]>,
     /// Internal resistance of all cells and cables, ohm, 0 to 10.
     pub resistance: f64,
@@ -51,7 +52,11 @@ impl Battery {
     /// From `V (E - V) / R = P`. More than the battery can give, `E^2 / 4 R`, is met with
     /// half the open-circuit voltage, where it gives most.
     pub fn voltage(&self, state_of_charge: f64, power: f64) -> f64 {
-        let open = self.open_circuit_voltage(state_of_charge);
+        self.under_load(self.open_circuit_voltage(state_of_charge), power)
+    }
+
+    /// The same at a known open-circuit voltage.
+    pub(crate) fn under_load(&self, open: f64, power: f64) -> f64 {
         let root = open * open - 4.0 * self.resistance * power;
         0.5 * (open + root.max(0.0).sqrt())
     }

@@ -1,6 +1,7 @@
 //! The drone: its state, and its steps.
 
 use std::cell::Cell;
+use std::f64::consts::TAU;
 
 use differential_equations::methods::ExplicitRungeKutta;
 use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
@@ -8,7 +9,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::environment::Environment;
 use crate::faults::{Crash, Diverged, Divergence, Unfit};
-use crate::ground::{Anchors, Ground, Pose};
+use crate::ground::{Anchors, Ground};
 use crate::motion::{self, Flat, Frame, Loads, Motion};
 use crate::vehicle::{MAX_MOTORS, Vehicle};
 
@@ -62,7 +63,7 @@ pub struct State {
 }
 
 impl State {
-    /// At rest in the air with the rotors standing and a full battery, upright, facing north.
+    /// At rest in the air, upright, facing north, rotors standing, battery full.
     pub fn at_height(height: f64) -> Self {
         Self {
             time_ns: 0,
@@ -80,21 +81,19 @@ impl State {
 
     /// Angle between the drone's down and the earth's, rad, 0 to pi.
     pub fn tilt(&self) -> f64 {
-        let down = self.attitude * Vector3::z();
-        down.z.clamp(-1.0, 1.0).acos()
+        self.uprightness().clamp(-1.0, 1.0).acos()
     }
 
-    fn pose(&self) -> Pose {
-        Pose {
-            position: self.position,
-            velocity: self.velocity,
-            to_earth: *self.attitude.to_rotation_matrix().matrix(),
-            rates: self.rates,
-        }
+    /// Cosine of the tilt.
+    fn uprightness(&self) -> f64 {
+        let (i, j) = (self.attitude.i, self.attitude.j);
+        1.0 - 2.0 * (i * i + j * j)
     }
 }
 
-/// What perfect sensors in the centre of mass feel, body axes: motion, vibration, bias.
+/// What perfect sensors in the centre of mass feel, body axes.
+///
+/// Motion, vibration and constant biases.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Felt {
     /// Angular rates, rad/s.
@@ -157,7 +156,7 @@ impl Drone {
             watch: Watch::default(),
             frame,
         };
-        drone.ground.settle(&state.pose(), &mut drone.anchors);
+        drone.ground.settle(&state, &state, &mut drone.anchors);
         let wind = Vector3::zeros();
         let motion = drone.motion(wind, [0.0; MAX_MOTORS]);
         let mut unused: Flat = motion::flatten(&state);
@@ -206,7 +205,7 @@ impl Drone {
         &self.frame.vehicle
     }
 
-    /// Height of the feet over the ground with the drone level, m; 0 at rest on the ground.
+    /// Height of the feet, were the drone level, m; 0 at rest on the ground.
     pub fn height(&self) -> f64 {
         -self.state.position.z - self.frame.vehicle.skids.height + Ground::sag()
     }
@@ -226,12 +225,12 @@ impl Drone {
         self.anchors.iter().any(Option::is_some)
     }
 
-    /// The first crash: touching the ground at over 2.5 m/s, or with a tilt over 60 degrees.
+    /// The first crash: ground touched at over 2.5 m/s or a tilt over 60 degrees.
     pub fn crash(&self) -> Option<Crash> {
         self.watch.crash
     }
 
-    /// When the drone had first been tilted by over 90 degrees in the air for a second, ns.
+    /// When it had first been tilted over 90 degrees in the air for a second, ns.
     pub fn upset(&self) -> Option<u64> {
         self.watch.upset_ns
     }
@@ -250,7 +249,8 @@ impl Drone {
             return Some(Divergence::Step(dt));
         }
         let speed = wind.norm();
-        (!(speed <= FASTEST_WIND)).then_some(Divergence::Wind(speed))
+        let sound = (0.0..=FASTEST_WIND).contains(&speed);
+        (!sound).then_some(Divergence::Wind(speed))
     }
 
     fn diverged(&self, what: Divergence) -> Diverged {
@@ -278,6 +278,11 @@ impl Drone {
             anchors: &self.anchors,
             wind,
             sought,
+            open_voltage: self
+                .frame
+                .vehicle
+                .battery
+                .open_circuit_voltage(self.state.state_of_charge),
             loads: Cell::new(self.loads),
         }
     }
@@ -300,14 +305,16 @@ impl Drone {
         let turns = next.rotor_phases.iter_mut();
         let speeds = self.state.rotor_speeds.iter().zip(&next.rotor_speeds);
         for (phase, (before, after)) in turns.zip(speeds) {
-            *phase = (*phase + 0.5 * dt * (before + after)) % std::f64::consts::TAU;
+            let turned = *phase + 0.5 * dt * (before + after);
+            // Cheaper than a remainder, and the same: phases are not negative.
+            *phase = turned - TAU * f64::from((turned * (1.0 / TAU)) as i32);
         }
         if let Some(what) = fault_of(&next) {
             return Err(self.diverged(what));
         }
+        let touch = self.ground.settle(&self.state, &next, &mut self.anchors);
         self.state = next;
         self.loads = loads;
-        let touch = self.ground.settle(&next.pose(), &mut self.anchors);
         self.watch.see(&next, touch, dt);
         Ok(())
     }

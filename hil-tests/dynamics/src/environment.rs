@@ -8,10 +8,13 @@ use crate::range::{all_within, within};
 /// Air, field and weather of a flight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
-    /// Density of the air, kg/m3, 0.3 to 2; 1.225 at sea level. It enters the power of the
-    /// rotors alone: thrust and drag coefficients are those of this air.
+    /// Density of the air, kg/m3, 0.3 to 2; 1.225 at sea level.
+    ///
+    /// It enters the power of the rotors alone: thrust and drag coefficients are those of this air.
     pub air_density: f64,
-    /// Earth's magnetic field, gauss, north east down; about 0.2, 0, 0.4 in central Europe.
+    /// Earth's magnetic field, gauss, north east down, each -10 to 10.
+    ///
+    /// About 0.2, 0, 0.4 in central Europe.
     pub magnetic_field: Vector3<f64>,
     /// The weather.
     pub wind: WindClimate,
@@ -27,8 +30,9 @@ pub struct WindClimate {
     pub speed_at_20_ft: f64,
     /// Altitude for which turbulence is worked out, m, 3.048 to 304.8 (10 to 1000 ft).
     pub nominal_altitude: f64,
-    /// Speed against the air for which turbulence is worked out, m/s, 0.5 to 100. Hovering, it
-    /// is the mean wind's speed: gusts are carried past the drone.
+    /// Speed against the air for which turbulence is worked out, m/s, 0.5 to 100.
+    ///
+    /// Hovering, it is the mean wind's speed: gusts are carried past the drone.
     pub nominal_airspeed: f64,
     /// Discrete gusts, if any.
     pub gusts: Option<Gusts>,
@@ -39,11 +43,11 @@ pub struct WindClimate {
 /// Discrete gusts of the shape 1 - cosine (MIL-F-8785C) at random instants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gusts {
-    /// Mean time between the end of one gust and the start of the next, s, 0.1 and more.
+    /// Mean time from the end of one gust to the start of the next, s, from 0.1.
     pub mean_interval: f64,
     /// Largest speed of a gust, m/s, 0 to 50; each has its own horizontal direction.
     pub amplitude: f64,
-    /// Distance over which a gust rises, m, 0.5 to 1000; it falls over the same distance.
+    /// Distance over which a gust rises, and falls again, m, 0.5 to 1000.
     pub length: f64,
 }
 
@@ -52,7 +56,7 @@ pub struct Gusts {
 pub struct Shelter {
     /// Middle of the range, rad clockwise from north, where the wind comes **from**.
     pub from: f64,
-    /// Half the width of the range, rad, 0 to pi; attenuation fades over 15 degrees beyond.
+    /// Half the width of the range, rad, 0 to pi; beyond, 15 degrees of fading.
     pub half_width: f64,
     /// What is left of the wind, 0 to 1.
     pub factor: f64,

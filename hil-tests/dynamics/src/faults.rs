@@ -5,7 +5,7 @@ use std::fmt;
 
 use crate::drone::State;
 
-/// Parameters that describe no drone or no weather: one line with name, value and range.
+/// Parameters that describe no drone or weather: name, value and range.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unfit(pub String);
 

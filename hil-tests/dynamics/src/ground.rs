@@ -7,6 +7,7 @@
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
+use crate::drone::State;
 use crate::motion::{Frame, Wrench};
 use crate::vehicle::{MAX_MOTORS, STANDARD_GRAVITY};
 
@@ -36,6 +37,15 @@ pub struct Pose {
 }
 
 impl Pose {
+    fn of(state: &State) -> Self {
+        Self {
+            position: state.position,
+            velocity: state.velocity,
+            to_earth: *state.attitude.to_rotation_matrix().matrix(),
+            rates: state.rates,
+        }
+    }
+
     /// Velocity of a point of the drone, earth axes, m/s.
     fn velocity_of(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.velocity + self.to_earth * self.rates.cross(point)
@@ -79,8 +89,8 @@ impl Ground {
         STANDARD_GRAVITY / (BOUNCE * BOUNCE)
     }
 
-    fn is_near(&self, pose: &Pose) -> bool {
-        pose.position.z + self.reach > 0.0
+    fn is_near(&self, position: &Vector3<f64>) -> bool {
+        position.z + self.reach > 0.0
     }
 
     /// Push of a point out of the ground, N; none above it.
@@ -99,7 +109,7 @@ impl Ground {
 
     /// Adds what the ground does.
     pub fn push(&self, pose: &Pose, anchors: &Anchors, wrench: &mut Wrench) {
-        if !self.is_near(pose) {
+        if !self.is_near(&pose.position) {
             return;
         }
         for (point, anchor) in self.points.iter().zip(anchors) {
@@ -118,14 +128,14 @@ impl Ground {
         }
     }
 
-    /// Sets down, drags along and lifts the spots where points hold. Returns the largest speed,
-    /// m/s, at which a point touched down in this step, and whether any touches.
-    pub fn settle(&self, pose: &Pose, anchors: &mut Anchors) -> Touch {
+    /// Sets down, drags along and lifts the spots where points hold after a step.
+    pub fn settle(&self, before: &State, after: &State, anchors: &mut Anchors) -> Touch {
         let mut touch = Touch::default();
-        if !self.is_near(pose) {
+        if !self.is_near(&after.position) {
             *anchors = Anchors::default();
             return touch;
         }
+        let (before, pose) = (Pose::of(before), Pose::of(after));
         for (point, anchor) in self.points.iter().zip(anchors) {
             let place = pose.position + pose.to_earth * point;
             if place.z <= 0.0 {
@@ -133,12 +143,14 @@ impl Ground {
                 continue;
             }
             touch.any = true;
-            let velocity = pose.velocity_of(point);
             let Some(held) = anchor else {
                 *anchor = Some(place.xy());
+                // The ground has braked it since.
+                let velocity = before.velocity_of(point);
                 touch.impact = touch.impact.max(velocity.norm());
                 continue;
             };
+            let velocity = pose.velocity_of(point);
             let most = self.friction * self.normal(place.z, velocity.z) / self.stiffness;
             let stretch = place.xy() - *held;
             *held = place.xy() - stretch.cap_magnitude(most);

@@ -12,8 +12,9 @@
 //! and a step allocates nothing. A number that is not finite ends the flight as [`Diverged`].
 //!
 //! ```
-//! # use flight_dynamics::{Drone, Environment, Place, Vehicle, Wind, Diverged};
-//! fn hop(vehicle: &Vehicle, environment: &Environment) -> Result<f64, Box<dyn std::error::Error>> {
+//! # use std::error::Error;
+//! # use flight_dynamics::{Drone, Environment, Place, Vehicle, Wind};
+//! fn hop(vehicle: &Vehicle, environment: &Environment) -> Result<f64, Box<dyn Error>> {
 //!     let mut wind = Wind::new(environment, 7)?;
 //!     let mut drone = Drone::new(vehicle, Place::default(), environment)?;
 //!     for _ in 0..1000 {

@@ -110,7 +110,7 @@ impl Frame {
         motors + self.vehicle.propulsion.electronics
     }
 
-    /// What air and rotors do at the velocity `air` of the drone through the air, body axes.
+    /// What air and rotors do at a velocity `air` through the air, body axes.
     fn in_the_air(&self, air: &Vector3<f64>, rates: &Vector3<f64>, speeds: &[f64]) -> Wrench {
         let drag = &self.vehicle.drag;
         let along = drag.linear + drag.quadratic * air.norm();
@@ -131,7 +131,7 @@ impl Frame {
     }
 }
 
-/// The equations of one step, in which throttles, wind and the feet's anchors do not change.
+/// The equations of one step, with constant throttles, wind and anchors.
 pub struct Motion<'a> {
     /// The vehicle.
     pub frame: &'a Frame,
@@ -143,6 +143,8 @@ pub struct Motion<'a> {
     pub wind: Vector3<f64>,
     /// Speeds that the motors seek at the full battery's voltage, rad/s.
     pub sought: [f64; MAX_MOTORS],
+    /// The battery's open-circuit voltage, V; charge hardly changes in a step.
+    pub open_voltage: f64,
     /// What acted at the instant looked at last.
     pub loads: Cell<Loads>,
 }
@@ -153,7 +155,7 @@ impl Motion<'_> {
         let frame = self.frame;
         let power = frame.power(speeds);
         let battery: &Battery = &frame.vehicle.battery;
-        let volts = battery.voltage(charge, power);
+        let volts = battery.under_load(self.open_voltage, power);
         // An empty battery's controllers switch off.
         let relative = if charge > 0.0 {
             volts / frame.full_voltage

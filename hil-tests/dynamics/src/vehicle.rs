@@ -12,7 +12,7 @@ pub const STANDARD_GRAVITY: f64 = 9.80665;
 /// Most motors of a vehicle.
 pub const MAX_MOTORS: usize = 8;
 
-/// All parameters of a drone. Inertia is that of the whole drone about its principal axes.
+/// All parameters of a drone, whose principal axes are forward, right and down.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vehicle {
     /// Mass, kg, 0.01 to 1000.
@@ -67,7 +67,7 @@ pub struct Motor {
     pub height: f64,
     /// The way it turns.
     pub spin: Spin,
-    /// Thrust as a share of that of a free rotor at the same speed and power, above 0 to 1;
+    /// Thrust as a share of a free rotor's at the same speed and power, 0.01 to 1;
     /// about 0.8 for the lower of two coaxial rotors.
     pub efficiency: f64,
 }
@@ -75,12 +75,14 @@ pub struct Motor {
 /// A motor with its rotor; all are alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Propulsion {
-    /// Thrust of one rotor at full throttle and the full battery's open-circuit voltage, N.
+    /// Thrust of one rotor at full throttle, N, with no sag of a full battery.
     pub full_thrust: f64,
     /// Speed of the rotor then, rad/s, 1 to 20000.
     pub full_speed: f64,
-    /// Bend `e` of the thrust curve, 0 to 1: at the share `s` of full throttle the thrust's share
-    /// is `(1 - e) s + e s^2` (ArduPilot's MOT_THST_EXPO; about 0.65 measured for common rotors).
+    /// Bend `e` of the thrust curve, 0 to 1.
+    ///
+    /// At the share `s` of full throttle the thrust's share is `(1 - e) s + e s^2` (ArduPilot's
+    /// MOT_THST_EXPO; about 0.65 measured for common rotors).
     pub expo: f64,
     /// Torque of a rotor over its thrust, m, 0 to 1; about 0.015 to 0.04.
     pub torque_per_thrust: f64,
@@ -92,8 +94,10 @@ pub struct Propulsion {
     pub rotor_inertia: f64,
     /// Radius of the rotor, m, 0.01 to 5.
     pub rotor_radius: f64,
-    /// Ideal power of hovering over electric power, 0.05 to 1: rotor, motor and controller
-    /// together. Electric power is `T^1.5 / (figure of merit * sqrt(2 density area))`.
+    /// Ideal power of hovering over electric power, 0.05 to 1.
+    ///
+    /// That of rotor, motor and controller together. Electric power is that of momentum theory,
+    /// `T^1.5 / sqrt(2 density area)`, over this.
     pub figure_of_merit: f64,
     /// Power of the electronics, W, 0 to 1000.
     pub electronics: f64,
@@ -104,12 +108,13 @@ pub struct Propulsion {
 pub struct Drag {
     /// Drag of the frame per axis, N per m/s.
     pub linear: Vector3<f64>,
-    /// Drag of the frame per axis, N per (m/s)^2: times speed times the axis' component.
+    /// Drag of the frame per axis, N per (m/s)^2: times speed times component.
     pub quadratic: Vector3<f64>,
-    /// Drag of a rotor across its axis (H-force), at its hub, N per m/s and rad/s. Blade element
-    /// theory has it proportional to the rotor's speed, the root of its thrust.
+    /// Drag of a rotor across its axis (H-force), at its hub, N per m/s and rad/s.
+    ///
+    /// Blade element theory has it proportional to the rotor's speed, the root of its thrust.
     pub rotor_across: f64,
-    /// Loss of thrust of a rotor that climbs along its axis (inflow), N per m/s and rad/s.
+    /// Loss of thrust of a rotor that climbs (inflow), N per m/s and rad/s.
     pub rotor_along: f64,
     /// Damping of the frame's turning per axis, N m per rad/s.
     pub rotational: Vector3<f64>,
@@ -131,8 +136,9 @@ impl Drag {
 /// How a motor controller reads its pulses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Esc {
-    /// Steps from 0 to full throttle, both counted, 2 and more; 256 for 8 bits. `None` resolves
-    /// everything.
+    /// Steps from 0 to full throttle, both counted, 2 and more; 256 for 8 bits.
+    ///
+    /// `None` resolves everything.
     pub steps: Option<u32>,
     /// Shares of full throttle below this leave the motor standing, 0 to 0.5.
     pub dead_zone: f64,
@@ -178,10 +184,10 @@ pub struct Vibration {
     pub rate_double: f64,
 }
 
-/// Four feet on which the drone stands level; rotors' hubs touch the ground as well.
+/// Four feet on which the drone stands level; hubs touch the ground as well.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Skids {
-    /// Distance of each foot from the centre of mass, forward or back, and right or left, m.
+    /// Distance of each foot forward or back, and right or left, m, 0.01 to 10.
     pub reach: f64,
     /// Height of the centre of mass over the feet, m, above 0 to 2.
     pub height: f64,
@@ -267,7 +273,7 @@ impl Propulsion {
         within("electronics", self.electronics, 0.0, 1000.0)
     }
 
-    /// Share of full thrust, and of the square of full speed, at a share of full throttle.
+    /// Share of full thrust, and of full speed squared, at a share of full throttle.
     pub fn thrust_share(&self, throttle: f64) -> f64 {
         (1.0 - self.expo) * throttle + self.expo * throttle * throttle
     }

@@ -84,7 +84,7 @@ impl Wind {
 
     /// The air's velocity now, m/s, north east down.
     pub fn now(&self) -> Vector3<f64> {
-        self.before.lerp(&self.after, self.since / INTERVAL)
+        self.before + (self.after - self.before) * (self.since / INTERVAL)
     }
 
     fn next(&mut self) -> Vector3<f64> {

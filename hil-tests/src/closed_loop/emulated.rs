@@ -140,6 +140,10 @@ impl Tier for EmulatedTier {
         })
     }
 
+    fn soonest_command_ns(&self) -> u64 {
+        0
+    }
+
     fn finish(self: Box<Self>, from_ns: u64) -> Result<(Option<Cpu>, String)> {
         let outcome = self.board.finish()?;
         Alignment::of(&self.observation, self.protocol)?;

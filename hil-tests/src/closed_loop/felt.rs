@@ -8,7 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::chips::{Stimulus, StimulusSource};
 
-/// Steps that are kept: at 0.5 ms each, 32 ms. The longest delay of a chip's filter is 19 ms.
+/// Steps that are kept: 0.5 ms or more each, 32 ms. The longest delay of a chip's filter is 19 ms.
 const KEPT: usize = 64;
 
 /// The newest steps of a flight, shared between the simulation and the chips.

@@ -15,7 +15,7 @@ pub(super) struct Rms {
 }
 
 impl Rms {
-    fn add(&mut self, value: f64) {
+    pub(super) fn add(&mut self, value: f64) {
         self.sum += value * value;
         self.count += 1;
     }
@@ -33,6 +33,8 @@ pub(super) struct Measures {
     pub(super) attitude: [Rms; 3],
     /// Distance from where the drone shall be, m.
     pub(super) position: Rms,
+    /// Body rates, rad/s.
+    pub(super) turning: Rms,
     /// Runs of each second of the flight, from take-off.
     pub(super) per_second: Vec<u32>,
     /// Runs by reason.

@@ -11,8 +11,8 @@
 //! timer's update event applies them.
 //!
 //! **Lockstep**: the world goes one step ahead with the commands in force, then the board follows
-//! through the same step and feels it. A step is the period of the motors' timers at most, and
-//! ends at an update event, so that no command comes late. Virtual time alone counts: the same
+//! through the same step and feels it. A step ends at an update event of the motors' timers, before
+//! any command that is still to come can apply, so that none comes late. Virtual time alone counts: the same
 //! options give the same flight, bit for bit.
 
 mod desired;
@@ -56,7 +56,7 @@ use report::{AxisErrors, Control, CrashReport, FlightReport};
 use station::{Station, TAKE_OFF_NS};
 use tier::{Tier, update_period_ns};
 use track::{KEPT_NS, Moment};
-use world::{STEP_NS, World};
+use world::{LONGEST_STEP_NS, World};
 
 /// Time between two looks of mission, ground station and measures, ns.
 const LOOK_NS: u64 = 10_000_000;
@@ -120,6 +120,27 @@ pub struct FlyOptions {
     /// Where the scored part begins, s from take-off; none for as soon as the drone is up and
     /// has learned.
     pub scored_from_s: Option<f64>,
+    /// How the drone differs from the one that the gains are for.
+    pub stress: Stress,
+}
+
+/// A drone that answers more strongly, or later: what gain and delay margins are measured with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stress {
+    /// How many times the angular acceleration that its motors give it.
+    pub gain: f64,
+    /// How much later motor commands apply, s.
+    pub delay_s: f64,
+}
+
+impl Default for Stress {
+    /// None.
+    fn default() -> Self {
+        Self {
+            gain: 1.0,
+            delay_s: 0.0,
+        }
+    }
 }
 
 /// Flies, and tells what came of it: a crash is a report as well.
@@ -185,7 +206,9 @@ struct Scored {
 impl<'o> Flight<'o> {
     fn new(scene: &Scene, options: &'o FlyOptions, flyer: Flyer<'_>) -> Result<Self> {
         let seed = u64::from(options.settings.seed);
-        let world = World::new((&scene.vehicle, &scene.airframe), &scene.environment, seed)?;
+        let mut vehicle = scene.vehicle.clone();
+        vehicle.inertia_kg_m2 = vehicle.inertia_kg_m2.map(|axis| axis / options.stress.gain);
+        let world = World::new((&vehicle, &scene.airframe), &scene.environment, seed)?;
         let source: Arc<dyn StimulusSource> = Arc::clone(&world.felt) as _;
         let told = (options.settings, options.logic);
         let chips = ChipOptions {
@@ -212,7 +235,7 @@ impl<'o> Flight<'o> {
             scored: None,
             now_ns: 0,
             end_ns: TAKE_OFF_NS + (options.duration_s * 1e9) as u64,
-            step_ns: update_period_ns(options.settings.motors).min(STEP_NS),
+            step_ns: update_period_ns(options.settings.motors).min(LONGEST_STEP_NS / 2),
             applied: Vec::new(),
             runs: Vec::new(),
         })
@@ -227,15 +250,16 @@ impl<'o> Flight<'o> {
     }
 
     fn step(&mut self) -> Result<()> {
-        let offset_ns = self.tier.update_offset_ns() % self.step_ns;
-        let next_ns = (self.now_ns + self.step_ns - offset_ns) / self.step_ns * self.step_ns;
-        let next_ns = (next_ns + offset_ns).max(self.now_ns + 1);
+        let next_ns = self.next_ns();
         self.world.advance_to(next_ns)?;
         self.tier.run_until(next_ns)?;
-        let looks = next_ns / LOOK_NS > self.now_ns / LOOK_NS;
+        let passes = |mark_ns: u64| next_ns / mark_ns > self.now_ns / mark_ns;
+        let (looks, keeps) = (passes(LOOK_NS), passes(KEPT_NS));
         self.now_ns = next_ns;
         self.tier.take(&mut self.applied, &mut self.runs);
-        for applied in self.applied.drain(..) {
+        let delay_ns = (self.options.stress.delay_s * 1e9) as u64;
+        for mut applied in self.applied.drain(..) {
+            applied.at_ns += delay_ns;
             self.world.command(applied);
         }
         for (at_ns, ran) in self.runs.drain(..) {
@@ -245,13 +269,28 @@ impl<'o> Flight<'o> {
             self.measures.ran(&ran, since_s, scored, quantum);
         }
         if looks {
-            self.look();
+            self.look(keeps && next_ns >= TAKE_OFF_NS);
         }
         Ok(())
     }
 
+    /// Where the next step ends: at an update event of the motors' timers, and before any command
+    /// applies that is not given yet.
+    fn next_ns(&self) -> u64 {
+        let offset_ns = self.tier.update_offset_ns() % self.step_ns;
+        let begun = (self.now_ns + self.step_ns - offset_ns) / self.step_ns;
+        let next_ns = (begun * self.step_ns + offset_ns).max(self.now_ns + 1);
+        let soonest_ns = self.tier.soonest_command_ns();
+        let further_ns = (next_ns + self.step_ns).min(self.now_ns + LONGEST_STEP_NS);
+        if further_ns <= soonest_ns {
+            further_ns
+        } else {
+            next_ns
+        }
+    }
+
     /// Mission, ground station and measures, each with the drone as it is now.
-    fn look(&mut self) {
+    fn look(&mut self, keeps: bool) {
         let state = self.world.state();
         let (position, velocity) = (state.position, state.velocity);
         if self.now_ns >= TAKE_OFF_NS {
@@ -265,7 +304,7 @@ impl<'o> Flight<'o> {
             self.tier.transmit(frame);
         }
         let desired = self.tier.desired();
-        if self.now_ns >= TAKE_OFF_NS && self.now_ns % KEPT_NS < self.step_ns {
+        if keeps {
             self.keep(&target, &desired);
         }
         self.judge(&target, &desired);
@@ -299,9 +338,11 @@ impl<'o> Flight<'o> {
         };
         scored.wind_sum += self.world.air.norm();
         scored.looks += 1;
-        let position = self.world.state().position;
+        let state = self.world.state();
+        let (position, rates) = (state.position, state.rates);
         let angles = self.world.angles();
         self.measures.look(desired, angles, (target, &position));
+        self.measures.turning.add(rates.norm());
     }
 
     fn begins_to_count(&self) -> bool {
@@ -359,6 +400,7 @@ impl<'o> Flight<'o> {
         Ok(FlightReport {
             environment: scene.environment_name.clone(),
             airframe: reflex::config::AIRFRAME.to_owned(),
+            bandwidth: (f64::from(reflex::config::BANDWIDTH) * 100.0).round() / 100.0,
             logic: options.logic.word().to_owned(),
             mission: options.mission.name().to_owned(),
             tier: tier.to_owned(),
@@ -372,6 +414,7 @@ impl<'o> Flight<'o> {
             crash,
             attitude_error_deg: errors,
             position_error_m,
+            turning_rad_s: whole.and_then(|_| self.measures.turning.value()),
             control,
             cpu,
             energy_j,

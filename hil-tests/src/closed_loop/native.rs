@@ -50,6 +50,14 @@ fn pulses(protocol: MotorProtocol, ran: &Ran) -> Vec<u32> {
     ran.shares.iter().map(pulse_ns).collect()
 }
 
+/// The first update event behind the instant at which a command was written, ns.
+fn applied_ns(protocol: MotorProtocol, written_ns: u64) -> u64 {
+    let period_ns = update_period_ns(protocol);
+    (written_ns / period_ns)
+        .saturating_add(1)
+        .saturating_mul(period_ns)
+}
+
 impl Tier for NativeTier {
     fn run_until(&mut self, until_ns: u64) -> Result<()> {
         self.board.run_until(until_ns);
@@ -61,7 +69,6 @@ impl Tier for NativeTier {
     }
 
     fn take(&mut self, applied: &mut Vec<Applied>, runs: &mut Vec<TimedRan>) {
-        let period_ns = update_period_ns(self.protocol);
         for stamped in self.board.drain_calls() {
             let Call::Ran(ran) = stamped.call else {
                 continue;
@@ -71,7 +78,7 @@ impl Tier for NativeTier {
             self.digest.write(written_ns, &pulses);
             let throttles = pulses.iter().map(|pulse| throttle(self.protocol, *pulse));
             applied.push(Applied {
-                at_ns: (written_ns / period_ns + 1) * period_ns,
+                at_ns: applied_ns(self.protocol, written_ns),
                 throttles: throttles.map(Option::unwrap_or_default).collect(),
             });
             runs.push((written_ns, ran));
@@ -88,6 +95,11 @@ impl Tier for NativeTier {
 
     fn update_offset_ns(&self) -> u64 {
         0
+    }
+
+    fn soonest_command_ns(&self) -> u64 {
+        let written_ns = self.board.soonest_run_ns().saturating_add(RUN_NS);
+        applied_ns(self.protocol, written_ns)
     }
 
     fn finish(self: Box<Self>, _from_ns: u64) -> Result<(Option<Cpu>, String)> {

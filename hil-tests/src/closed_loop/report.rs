@@ -12,6 +12,8 @@ pub struct FlightReport {
     pub environment: String,
     /// Name of the airframe.
     pub airframe: String,
+    /// How many times as fast as configured attitude and rate loops are.
+    pub bandwidth: f64,
     /// Name of the control logic.
     pub logic: String,
     /// `hover` or `waypoints`.
@@ -38,6 +40,8 @@ pub struct FlightReport {
     pub attitude_error_deg: AxisErrors,
     /// Distance from where it should be in the scored part, RMS in m.
     pub position_error_m: Option<f64>,
+    /// Body rates in the scored part, RMS in rad/s.
+    pub turning_rad_s: Option<f64>,
     /// When control ran.
     pub control: Control,
     /// What the processor did in the scored part; none natively.
@@ -203,6 +207,7 @@ mod tests {
         FlightReport {
             environment: "arch".into(),
             airframe: "quad_x".into(),
+            bandwidth: 1.0,
             logic: "cascade".into(),
             mission: "hover".into(),
             tier: "native".into(),
@@ -222,6 +227,7 @@ mod tests {
             }),
             attitude_error_deg: AxisErrors::default(),
             position_error_m: None,
+            turning_rad_s: None,
             control: Control::default(),
             cpu: None,
             energy_j: 100.0,

@@ -24,6 +24,7 @@ fn options(logic: LogicName, policy: Policy, seed: u32) -> FlyOptions {
         mission: Mission::Waypoints,
         duration_s: 30.0,
         scored_from_s: None,
+        stress: Stress::default(),
     }
 }
 
@@ -55,13 +56,21 @@ fn periodic_control_keeps_its_rate_and_reactive_control_spares_runs() {
 
 #[test]
 fn the_same_seed_flies_the_same_flight_and_another_seed_another() {
-    let of = |seed| flown("rugby", &options(LogicName::ArduCopter, Policy::Reactive, seed));
+    let of = |seed| {
+        flown(
+            "rugby",
+            &options(LogicName::ArduCopter, Policy::Reactive, seed),
+        )
+    };
     let first = of(5);
     assert_eq!(first, of(5));
     assert_ne!(first.digest, of(6).digest);
     let periodic = flown("rugby", &options(LogicName::ArduCopter, BY_THE_CLOCK, 5));
     assert!(first.scored_from_s == periodic.scored_from_s);
-    assert_eq!(first.wind_m_s, periodic.wind_m_s, "the wind does not know who flies");
+    assert_eq!(
+        first.wind_m_s, periodic.wind_m_s,
+        "the wind does not know who flies"
+    );
 }
 
 /// A crash is no number: where the scored part would be, there is nothing.
@@ -72,11 +81,16 @@ fn a_drone_that_cannot_lift_itself_crashes_or_stays_but_scores_no_lie() {
     scene.vehicle.rotors.full_thrust_n = 3.4;
     let mut options = options(LogicName::Cascade, Policy::Reactive, 2);
     options.duration_s = 60.0;
-    let report = fly(&scene, &options, Flyer::Native, &mut Silent).unwrap().report;
+    let report = fly(&scene, &options, Flyer::Native, &mut Silent)
+        .unwrap()
+        .report;
     if report.crashed {
         let errors = report.attitude_error_deg;
         assert_eq!((errors.roll, errors.pitch, errors.yaw), (None, None, None));
-        assert_eq!((report.position_error_m, report.flight_time_s), (None, None));
+        assert_eq!(
+            (report.position_error_m, report.flight_time_s),
+            (None, None)
+        );
     } else {
         assert!(report.position_error_m.unwrap() > 1.0, "{report:?}");
     }
@@ -100,7 +114,12 @@ fn the_firmware_flies_in_closed_loop_and_comes_to_the_hosts_commands_bit_by_bit(
     assert!((0.01..0.9).contains(&busy), "{busy}");
     assert_eq!(report, fly(), "the same flight again");
     // Natively samples differ by microseconds, and with them everything a little.
-    let native = super::fly(&scene, &options, Flyer::Native, &mut Silent).unwrap().report;
-    let (here, there) = (report.control.rate_hz.unwrap(), native.control.rate_hz.unwrap());
+    let native = super::fly(&scene, &options, Flyer::Native, &mut Silent)
+        .unwrap()
+        .report;
+    let (here, there) = (
+        report.control.rate_hz.unwrap(),
+        native.control.rate_hz.unwrap(),
+    );
     assert!((here / there - 1.0).abs() < 0.25, "{here} {there}");
 }

@@ -17,7 +17,7 @@ use super::tier::Applied;
 use crate::chips::Stimulus;
 
 /// Longest step of the dynamics, ns.
-pub(super) const STEP_NS: u64 = 500_000;
+pub(super) const LONGEST_STEP_NS: u64 = 1_000_000;
 /// Slowest that turbulence is carried past the drone, m/s: in still air it moves by itself.
 const SLOWEST_AIR: f64 = 1.0;
 /// Temperature of the chips: their own errors do not depend on it.
@@ -235,6 +235,8 @@ mod tests {
     use super::*;
     use crate::chips::StimulusSource;
     use std::path::Path;
+
+    const STEP_NS: u64 = LONGEST_STEP_NS / 2;
 
     fn world(environment: &str, seed: u64) -> World {
         let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("../config");

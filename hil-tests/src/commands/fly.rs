@@ -9,8 +9,8 @@ use reflex::config::AIRFRAME;
 use super::bar::Bar;
 use super::quantities::number;
 use super::settings_arguments::SettingsArguments;
-use crate::airframes;
-use crate::closed_loop::{self, FlyOptions, Flyer, Mission, Scene, plot, report};
+use crate::airframes::{self, Variant};
+use crate::closed_loop::{self, FlyOptions, Flyer, Mission, Scene, Stress, plot, report};
 use crate::firmware::Firmware;
 use crate::logics::LogicName;
 use crate::progress::Progress;
@@ -34,6 +34,10 @@ pub(super) struct FlyArguments {
     /// Control logic that flies: the firmware is built with it [default: that of config/selection.toml]
     #[arg(long, value_enum)]
     logic: Option<LogicName>,
+    /// How many times as fast as configured attitude and rate loops are: 0.5, 0.7, 1, 1.4 or 2;
+    /// all but 1 are built first
+    #[arg(long, value_name = "FACTOR", value_parser = number, default_value = "1")]
+    bandwidth: f64,
     /// What the drone is to do
     #[arg(long, value_enum, default_value = "waypoints")]
     mission: Mission,
@@ -51,6 +55,12 @@ pub(super) struct FlyArguments {
     /// Fly the same code on this computer, without firmware and emulator: 100 times as fast
     #[arg(long)]
     native: bool,
+    /// Stress: how many times as much the drone answers its motors, 0.1 to 10
+    #[arg(long, value_name = "FACTOR", value_parser = number, default_value = "1")]
+    plant_gain: f64,
+    /// Stress: how much later motor commands apply, 0 to 0.2 s
+    #[arg(long, value_name = "SECONDS", value_parser = number, default_value = "0")]
+    plant_delay: f64,
     /// Draw the flight to this SVG file
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -63,8 +73,12 @@ pub(super) struct FlyArguments {
 pub(super) fn run(arguments: &FlyArguments) -> Result<()> {
     let options = arguments.options()?;
     let mut bar = Bar::new();
-    if arguments.airframe != AIRFRAME {
-        let program = airframes::program(&arguments.airframe, &mut bar);
+    let variant = Variant {
+        airframe: arguments.airframe.clone(),
+        bandwidth: arguments.bandwidth,
+    };
+    if !variant.built_in() {
+        let program = airframes::program(&variant, &mut bar);
         bar.finish();
         return super::become_program(program?);
     }
@@ -105,6 +119,18 @@ impl FlyArguments {
                 self.duration
             ));
         }
+        if !(0.1..=10.0).contains(&self.plant_gain) {
+            return refuse(format!(
+                "--plant-gain {}: must be 0.1 to 10",
+                self.plant_gain
+            ));
+        }
+        if !(0.0..=0.2).contains(&self.plant_delay) {
+            return refuse(format!(
+                "--plant-delay {}: must be 0 to 0.2 s",
+                self.plant_delay
+            ));
+        }
         match self.clock_mhz {
             Some(mhz) if self.native => refuse(format!(
                 "--clock-mhz {mhz}: natively there is no processor, leave out --native"
@@ -120,6 +146,10 @@ impl FlyArguments {
                 mission: self.mission,
                 duration_s: self.duration,
                 scored_from_s: self.scored_from,
+                stress: Stress {
+                    gain: self.plant_gain,
+                    delay_s: self.plant_delay,
+                },
             }),
         }
     }

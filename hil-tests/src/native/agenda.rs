@@ -76,6 +76,11 @@ impl Agenda {
         self.due_ns[event as usize] != u64::MAX
     }
 
+    /// When the event is due, ns; `u64::MAX` for never.
+    pub(super) fn due_ns(&self, event: Event) -> u64 {
+        self.due_ns[event as usize]
+    }
+
     /// Takes the next event due until `until_ns`, with its instant.
     pub(super) fn take(&mut self, until_ns: u64) -> Option<(u64, Event)> {
         let mut place = 0;

@@ -24,7 +24,9 @@ use reflex_drivers::mpu6050::{self, ImuConfig};
 
 use super::agenda::{Agenda, Event};
 use super::tasks::Work;
-use super::timing::{BOOT_NS, CHIPS_START_NS, IMU_START_NS, IMU_WAKE_NS};
+use super::timing::{
+    ARRIVAL_NS, BOOT_NS, CHIPS_START_NS, IMU_START_NS, IMU_WAKE_NS, SHORTEST_BURST_NS,
+};
 use super::wires::{BusTime, I2cBus, Spi, Wire};
 use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
 use crate::chips::{ChipOptions, Mpu6050, StimulusSource};
@@ -191,6 +193,22 @@ impl NativeBoard {
             }
         }
         self.now_ns = self.now_ns.max(until_ns);
+    }
+
+    /// The soonest that control may run again, ns: what is under way leads to no run before.
+    pub(crate) fn soonest_run_ns(&self) -> u64 {
+        let due_ns = |event| self.agenda.due_ns(event);
+        let sample_ns = due_ns(Event::ImuLine).saturating_add(SHORTEST_BURST_NS);
+        let soonest = [
+            sample_ns
+                .min(due_ns(Event::Burst))
+                .saturating_add(ARRIVAL_NS),
+            due_ns(Event::Hyperperiod),
+            due_ns(Event::LateHyperperiod),
+            due_ns(Event::Timer),
+            due_ns(Event::Chips),
+        ];
+        soonest.into_iter().fold(u64::MAX, u64::min)
     }
 
     /// Takes every call so far, without room for them being looked for anew.

@@ -20,6 +20,8 @@ pub(super) const BOOT_NS: u64 = 102_812_000;
 
 /// From an interrupt of the MPU6050 to the START of its burst, ns.
 pub(super) const BURST_START_NS: u64 = 500;
+/// From an interrupt of the MPU6050 to the end of its burst at the soonest: 18 bytes at 400 kHz, ns.
+pub(super) const SHORTEST_BURST_NS: u64 = 400_000;
 /// Filtering, summing and comparing a burst, ns.
 pub(super) const ARRIVAL_NS: u64 = 14_700;
 /// A run, to the last motor register, ns.

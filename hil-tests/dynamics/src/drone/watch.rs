@@ -1,6 +1,6 @@
 //! Watches a flight for crashes and upsets.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
+use std::f64::consts::FRAC_PI_3;
 
 use crate::drone::State;
 use crate::faults::Crash;
@@ -27,16 +27,17 @@ pub(super) struct Watch {
 impl Watch {
     /// Looks at the end of a step of `dt` seconds.
     pub(super) fn see(&mut self, state: &State, touch: Touch, dt: f64) {
-        let tilt = state.tilt();
+        // Cosines: the angle itself is worked out only when it is told.
+        let upright = state.uprightness();
         let hard = touch.impact > HARDEST_LANDING;
-        if self.crash.is_none() && touch.any && (hard || tilt > LARGEST_TILT) {
+        if self.crash.is_none() && touch.any && (hard || upright < LARGEST_TILT.cos()) {
             self.crash = Some(Crash {
                 at_ns: state.time_ns,
                 speed: touch.impact.max(state.velocity.norm()),
-                tilt,
+                tilt: state.tilt(),
             });
         }
-        let upside_down = !touch.any && tilt > FRAC_PI_2;
+        let upside_down = !touch.any && upright < 0.0;
         self.upside_down = if upside_down {
             self.upside_down + dt
         } else {

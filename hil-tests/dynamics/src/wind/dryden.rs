@@ -20,7 +20,7 @@ struct Scale {
     length: f64,
 }
 
-/// Scales along the ground (longitudinal and lateral are alike) and of the vertical component.
+/// Scales along the ground, longitudinal and lateral alike, and vertically.
 fn scales(climate: &WindClimate) -> (Scale, Scale) {
     let feet = climate.nominal_altitude * FEET_PER_METER;
     let growth = 0.177 + 0.000823 * feet;

@@ -64,9 +64,8 @@ proptest! {
         let mut throttles = [0.5; 4];
         throttles[motor] = share;
         let diverged = drone.advance(1e-3, &throttles, Vector3::zeros()).unwrap_err();
-        prop_assert!(
-            matches!(diverged.what, Divergence::Throttle { motor: at, .. } if at == motor)
-        );
+        let named = matches!(diverged.what, Divergence::Throttle { motor: at, .. } if at == motor);
+        prop_assert!(named);
         prop_assert_eq!(*drone.state(), before);
         prop_assert_eq!(*diverged.state, before);
     }

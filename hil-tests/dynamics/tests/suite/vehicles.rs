@@ -138,7 +138,7 @@ pub fn ideal(mut vehicle: Vehicle) -> Vehicle {
     vehicle
 }
 
-/// Share of full throttle at which thrust balances weight at the full battery's voltage.
+/// Share of full throttle at which thrust is weight, with no sag.
 pub fn hover(vehicle: &Vehicle) -> f64 {
     let efficiencies: f64 = vehicle.motors.iter().map(|motor| motor.efficiency).sum();
     let lift = efficiencies * vehicle.propulsion.full_thrust;
@@ -155,7 +155,7 @@ pub fn throttle_for(vehicle: &Vehicle, thrust: f64) -> f64 {
     ((line * line + 4.0 * e * thrust).sqrt() - line) / (2.0 * e)
 }
 
-/// Speed of the rotors at a share of full throttle and the full battery's voltage, rad/s.
+/// Speed of the rotors at a share of full throttle with no sag, rad/s.
 pub fn speed_at(vehicle: &Vehicle, throttle: f64) -> f64 {
     vehicle.propulsion.full_speed * vehicle.propulsion.thrust_share(throttle).sqrt()
 }

@@ -2,7 +2,8 @@
 
 use clap::Parser;
 use proptest::prelude::*;
-use reflex::sensors::Input;
+use reflex::sensors::{Input, Inputs};
+use reflex::settings::{Feedback, MotorProtocol, Pairs, Reference};
 use reflex::time::micros;
 
 use super::*;

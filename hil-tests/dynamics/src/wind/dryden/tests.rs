@@ -59,7 +59,7 @@ fn variance_and_correlation_are_those_of_the_continuous_processes() {
     }
 }
 
-/// Two-sided density of a run at an angular frequency, averaged over pieces, per rad/s.
+/// Two-sided density of a run at an angular frequency, per rad/s.
 fn density(values: &[f64], frequency: f64) -> f64 {
     let length = 4096;
     let pieces = values.chunks_exact(length);
