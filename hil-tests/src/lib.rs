@@ -4,6 +4,7 @@
 //! - [`chips`]: the sensors, written from their datasheets
 //! - [`flights`]: recorded flights, as stimulus, setpoints and link frames
 //! - [`replay`]: puts the three together; [`scoring`] judges what happened
+//! - [`campaign`]: hundreds of hours of closed-loop flights, compared and reported
 //! - [`closed_loop`]: a simulated drone in wind instead of a recorded flight
 //! - [`native`]: the same flights without the emulator, a hundred times as fast
 //! - [`costs`]: instructions, memory and locks of the firmware, against limits
@@ -14,6 +15,7 @@
 
 pub mod airframes;
 pub mod board;
+pub mod campaign;
 pub mod chips;
 pub mod closed_loop;
 pub mod commands;

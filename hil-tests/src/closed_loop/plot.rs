@@ -83,7 +83,11 @@ fn panel(title: &str, (x, y): (&str, &str), curves: Vec<Curve>) -> Panel {
 }
 
 fn curve(name: &str, colour: Colour, points: impl Iterator<Item = (f64, f64)>) -> Curve {
-    let point = |(x, y)| Point { x, y, label: None };
+    let point = |(x, y)| Point {
+        x,
+        y,
+        ..Point::default()
+    };
     Curve {
         look: Look {
             name: name.to_owned(),

@@ -5,6 +5,7 @@
 
 mod bar;
 mod bench;
+mod campaign;
 mod fly;
 mod graph;
 mod quantities;
@@ -47,6 +48,11 @@ enum Command {
     Replay(Box<replay_arguments::ReplayArguments>),
     /// Fly a simulated drone in wind, by the firmware on the emulated board
     Fly(Box<fly::FlyArguments>),
+    /// Fly hundreds of simulated hours, reactive against periodic control, and report
+    Campaign(campaign::CampaignArguments),
+    /// Fly the jobs on stdin, for a campaign of another program
+    #[command(name = crate::campaign::WORKER, hide = true)]
+    CampaignWorker,
     /// Count the instructions of every part on the emulated core, against its limit
     Bench(bench::BenchArguments),
     /// Draw a control logic as a graph, for Graphviz and as SVG
@@ -72,6 +78,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let result = match &cli.command {
         Command::Replay(arguments) => replay::run(arguments),
         Command::Fly(arguments) => fly::run(arguments),
+        Command::Campaign(arguments) => campaign::run(arguments),
+        Command::CampaignWorker => campaign::work(),
         Command::Bench(arguments) => bench::run(arguments),
         Command::Graph(arguments) => graph::run(arguments),
         Command::Test => test::run(),

@@ -46,11 +46,7 @@ const SWAP_LIMIT: u64 = 840;
 pub fn measure(flights: &[Flight], progress: &mut dyn Progress) -> Result<Costs> {
     let program = Firmware::build_parts(progress)?;
     let mut parts = parts::measure(program, progress)?;
-    let program = LogicProgram::build(progress)?;
-    let mut logics = program.measure()?;
-    for (name, cost) in LogicName::value_variants().iter().zip(&mut logics) {
-        cost.flights = program.measure_flights(*name, flights, progress)?;
-    }
+    let logics = measure_logics(flights, progress)?;
     let firmware = Firmware::build(LogicName::configured(), progress)?;
     let flown = flight::measure(&firmware, progress)?;
     parts.extend(flown.parts);
@@ -61,4 +57,17 @@ pub fn measure(flights: &[Flight], progress: &mut dyn Progress) -> Result<Costs>
         firmware: flown.memory,
         locks: flown.locks,
     })
+}
+
+/// Builds and measures control logics alone, over recorded flights too, where some are given.
+///
+/// # Errors
+/// As those of [`measure`].
+pub fn measure_logics(flights: &[Flight], progress: &mut dyn Progress) -> Result<Vec<LogicCost>> {
+    let program = LogicProgram::build(progress)?;
+    let mut logics = program.measure()?;
+    for (name, cost) in LogicName::value_variants().iter().zip(&mut logics) {
+        cost.flights = program.measure_flights(*name, flights, progress)?;
+    }
+    Ok(logics)
 }

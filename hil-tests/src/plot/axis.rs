@@ -22,12 +22,15 @@ pub struct Axis {
     pub title: String,
     /// How values are spread along it.
     pub scale: Scale,
+    /// Names of the values 0, 1 and so on, in place of numbers; none for an axis of numbers.
+    pub names: Vec<String>,
 }
 
 /// An axis that was fitted to its values; places on it are what `place` returns.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Fitted {
     scale: Scale,
+    names: Vec<String>,
     pub low: f64,
     pub high: f64,
     pub ticks: Vec<f64>,
@@ -48,8 +51,19 @@ const MANTISSAS: [&[f64]; 4] = [
 impl Axis {
     /// An axis with a title, which names the unit.
     pub fn new(title: impl Into<String>, scale: Scale) -> Self {
-        let title = title.into();
-        Self { title, scale }
+        Self {
+            title: title.into(),
+            scale,
+            names: Vec::new(),
+        }
+    }
+
+    /// An axis of named places, the first at 0, each one further; all of them are shown.
+    pub fn of_names(title: impl Into<String>, names: Vec<String>) -> Self {
+        Self {
+            names,
+            ..Self::new(title, Scale::Linear)
+        }
     }
 
     /// Where a value lies on paper; `None` for one that cannot be shown.
@@ -59,6 +73,9 @@ impl Axis {
 
     /// The axis over some values; `None` where none can be shown.
     pub(super) fn fit(&self, values: impl Iterator<Item = f64>) -> Option<Fitted> {
+        if !self.names.is_empty() {
+            return Some(self.fit_names());
+        }
         let places = values.filter_map(|value| self.place(value));
         let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), place| {
             (low.min(place), high.max(place))
@@ -74,10 +91,22 @@ impl Axis {
         };
         Some(Fitted {
             scale,
+            names: Vec::new(),
             low,
             high,
             ticks,
         })
+    }
+
+    fn fit_names(&self) -> Fitted {
+        let last = self.names.len() as f64 - 1.0;
+        Fitted {
+            scale: self.scale,
+            names: self.names.clone(),
+            low: -0.5,
+            high: last + 0.5,
+            ticks: (0..self.names.len()).map(|place| place as f64).collect(),
+        }
     }
 }
 
@@ -113,6 +142,9 @@ impl Scale {
 impl ValueFormatter<f64> for Fitted {
     /// The value at a place, as a person reads it.
     fn format_ext(&self, place: &f64) -> String {
+        if let Some(name) = self.names.get(place.round() as usize) {
+            return super::plain(name);
+        }
         match self.scale {
             Scale::Logarithmic => short(10f64.powf(*place)),
             _ => short(*place),
@@ -214,6 +246,15 @@ mod tests {
             labels(Scale::Linear, &[-2.0, 2.0]),
             ["-2", "-1", "0", "1", "2"]
         );
+    }
+
+    #[test]
+    fn named_places_are_shown_whether_or_not_there_is_a_value() {
+        let axis = Axis::of_names("", vec!["lab".into(), "arch".into()]);
+        let fitted = axis.fit(std::iter::empty()).unwrap();
+        let names = fitted.ticks.iter().map(|tick| fitted.format_ext(tick));
+        assert_eq!(names.collect::<Vec<_>>(), ["lab", "arch"]);
+        assert_eq!(fitted.range(), -0.5..1.5);
     }
 
     #[test]

@@ -2,11 +2,12 @@
 
 use plotters::chart::{ChartBuilder, ChartContext};
 use plotters::coord::cartesian::Cartesian2d;
+use plotters::element::PathElement;
 use plotters::prelude::{RGBColor, SVGBackend, Text};
 use plotters::style::{Color, TRANSPARENT};
 
 use super::axis::{Axis, Fitted};
-use super::curve::{Curve, Point};
+use super::curve::{Curve, Look, Marker, Point};
 use super::{Area, Drawn, INK, Pixel, bold, plain, text};
 
 /// Curves over a pair of axes.
@@ -41,9 +42,10 @@ const LONGEST_TITLE: usize = 56;
 impl Panel {
     /// Draws into `area`; `root` is the figure, whose units places are in.
     pub(super) fn draw(&self, root: &Area<'_>, area: &Area<'_>) -> Drawn {
-        let fit = |axis: &Axis, of: fn(&Point) -> f64| axis.fit(self.shown().map(of));
         let title = cut(&plain(&self.title));
-        let fitted = fit(&self.x, |point| point.x).zip(fit(&self.y, |point| point.y));
+        let x = self.x.fit(self.shown().map(|point| point.x));
+        let fitted = x.filter(|_| self.shown().next().is_some());
+        let fitted = fitted.zip(self.y.fit(self.heights()));
         let Some((x, y)) = fitted else {
             let left = MARGIN as i32;
             area.draw(&Text::new(title, (left, left), bold(17)))?;
@@ -75,6 +77,19 @@ impl Panel {
         points.filter(|point| self.place(point).is_some())
     }
 
+    /// Whatever of the points the y axis is to show.
+    fn heights(&self) -> impl Iterator<Item = f64> {
+        let bars = self
+            .curves
+            .iter()
+            .any(|curve| curve.look.marker == Marker::Bar);
+        let of_point = |point: &Point| {
+            let [low, high] = point.interval.unwrap_or([point.y; 2]);
+            [low, point.y, high]
+        };
+        self.shown().flat_map(of_point).chain(bars.then_some(0.0))
+    }
+
     fn place(&self, point: &Point) -> Option<(f64, f64)> {
         self.x.place(point.x).zip(self.y.place(point.y))
     }
@@ -89,15 +104,54 @@ impl Panel {
             let placed: Vec<(Pixel, &Point)> = placed.collect();
             let line = placed.iter().map(|(pixel, _)| *pixel).collect();
             curve.look.draw_line(root, line)?;
-            for (pixel, _) in &placed {
-                curve.look.draw_marker(root, *pixel)?;
+            for (pixel, point) in &placed {
+                self.draw_point(root, chart, (&curve.look, *pixel, point))?;
             }
             labels.extend(labelled(&placed));
         }
+        self.draw_zero(root, chart)?;
         for ((x, y), label) in with_room(labels) {
             let at = (x + LABEL_OFFSET.0, y + LABEL_OFFSET.1);
             root.draw(&Text::new(plain(label), at, text(LABEL)))?;
         }
+        Ok(())
+    }
+
+    fn draw_point(
+        &self,
+        root: &Area<'_>,
+        chart: &Chart<'_, '_>,
+        (look, pixel, point): (&Look, Pixel, &Point),
+    ) -> Drawn {
+        let height = |y: f64| {
+            let place = self.x.place(point.x).zip(self.y.place(y))?;
+            Some(chart.backend_coord(&place).1)
+        };
+        match height(0.0).filter(|_| look.marker == Marker::Bar) {
+            Some(zero) => look.draw_bar(root, pixel, zero)?,
+            None => look.draw_marker(root, pixel)?,
+        }
+        let ends = point
+            .interval
+            .and_then(|[low, high]| height(low).zip(height(high)));
+        match ends {
+            Some((low, high)) => look.draw_interval(root, pixel.0, [low, high]),
+            None => Ok(()),
+        }
+    }
+
+    /// The line that bars stand on.
+    fn draw_zero(&self, root: &Area<'_>, chart: &Chart<'_, '_>) -> Drawn {
+        if !self
+            .curves
+            .iter()
+            .any(|curve| curve.look.marker == Marker::Bar)
+        {
+            return Ok(());
+        }
+        let (left, right) = (chart.x_range().start, chart.x_range().end);
+        let ends = [left, right].map(|x| chart.backend_coord(&(x, 0.0)));
+        root.draw(&PathElement::new(ends.to_vec(), INK.stroke_width(1)))?;
         Ok(())
     }
 }

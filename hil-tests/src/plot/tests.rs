@@ -40,6 +40,7 @@ fn figure(title: &str) -> Figure {
                 x: f64::from(step) * 100.0,
                 y: slope * f64::from(step),
                 label: Some(format!("point {step}")),
+                interval: None,
             })
             .collect(),
     };
@@ -82,6 +83,57 @@ fn a_figure_is_well_formed_and_shows_every_curve() {
         assert!(svg.contains(text), "{text}");
     }
     assert_eq!(svg, figure("a flight").to_svg().expect("drawn"));
+}
+
+/// The attribute of an element's line, as a number.
+fn attribute(line: &str, name: &str) -> f64 {
+    let (_, rest) = line
+        .split_once(&format!(" {name}=\""))
+        .expect("it is there");
+    rest.split_once('"')
+        .expect("it ends")
+        .0
+        .parse()
+        .expect("a number")
+}
+
+#[test]
+fn bars_stand_on_zero_and_intervals_reach_to_their_ends() {
+    let mut figure = figure("bars");
+    let panel = &mut figure.panels[0];
+    panel.x = Axis::of_names("place", vec!["lab".into(), "arch".into()]);
+    panel.y = Axis::new("better by, %", Scale::FromZero);
+    panel.curves.truncate(1);
+    let curve = &mut panel.curves[0];
+    curve.look.marker = Marker::Bar;
+    curve.look.width = 20;
+    let point = |x, y: f64| Point {
+        x,
+        y,
+        label: None,
+        interval: Some([y - 1.0, y + 1.0]),
+    };
+    curve.points = vec![point(0.0, 4.0), point(1.0, -4.0)];
+    let svg = figure.to_svg().expect("drawn");
+    elements(&svg);
+    assert!(svg.contains("lab") && svg.contains("arch"), "{svg}");
+    let of_curve = |line: &&str| line.starts_with("<rect") && line.contains("#010203");
+    let bars: Vec<&str> = svg.lines().filter(of_curve).collect();
+    // The first of them is in the legend.
+    let [up, down] = bars[..] else {
+        let [_, up, down] = bars[..] else {
+            panic!("{bars:?}")
+        };
+        return check_bars(up, down);
+    };
+    check_bars(up, down);
+}
+
+fn check_bars(up: &str, down: &str) {
+    let bottom = attribute(up, "y") + attribute(up, "height");
+    assert!((bottom - attribute(down, "y")).abs() <= 1.0, "both at zero");
+    let heights = [up, down].map(|bar| attribute(bar, "height"));
+    assert!((heights[0] - heights[1]).abs() <= 1.0 && heights[0] > 50.0);
 }
 
 #[test]

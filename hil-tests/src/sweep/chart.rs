@@ -194,5 +194,11 @@ fn curve_of((name, colour, marker): Kind, width: u32, shade: f64, points: Vec<Po
 
 fn point(x: Option<f64>, y: Option<f64>, label: Option<String>) -> Option<Point> {
     let (x, y) = x.zip(y)?;
-    Some(Point { x, y, label })
+    let interval = None;
+    Some(Point {
+        x,
+        y,
+        label,
+        interval,
+    })
 }

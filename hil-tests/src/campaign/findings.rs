@@ -1,0 +1,265 @@
+//! What a campaign came to: every number that the report and `--json` tell.
+
+use std::collections::BTreeMap;
+
+use anyhow::Result;
+use reflex::settings::Settings;
+use serde::Serialize;
+
+use super::comparison::{self, COMPARISONS, Compared, Comparison, Metric, Pair};
+use super::interval::Interval;
+use super::journal::{Landed, Records, Ways};
+use super::load::{self, Load};
+use super::plan::{Plan, USUAL_HZ};
+use super::sortie::{Role, Sortie, Tier};
+
+/// Everything, of whatever has been flown so far.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Findings {
+    /// Name of the plan.
+    pub plan: String,
+    /// Fingerprint of the sources that flew.
+    pub sources: String,
+    /// Seeds of the main comparison.
+    pub seeds: u32,
+    /// Seeds of the sweeps.
+    pub sweep_seeds: u32,
+    /// Simulated hours, by tier.
+    pub hours: ByTier<f64>,
+    /// Flights, by tier.
+    pub flights: ByTier<usize>,
+    /// Runs of the firmware that came to the host's command bit by bit; any other is an error.
+    pub equal_runs: u64,
+    /// Flights that ended before their time, in words.
+    pub crashes: Vec<String>,
+    /// Flights of the plan.
+    pub planned: usize,
+    /// Of these, not flown yet.
+    pub missing: usize,
+    /// Of these, with nothing to be equal to: the flight that decides the rate crashed.
+    pub undecided: usize,
+    /// Who is compared with whom, and how that came out.
+    pub comparisons: Vec<Compared>,
+    /// Reactive control with other settings against time-triggered control at 400 Hz.
+    pub sweeps: Vec<Swept>,
+    /// The means of each cell in each role.
+    pub means: Vec<Means>,
+    /// The processor's load.
+    pub loads: Vec<Load>,
+    /// Instructions of a run, by logic.
+    pub ways: Vec<Ways>,
+}
+
+/// One value for each tier.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ByTier<T> {
+    /// The library alone.
+    pub native: T,
+    /// The firmware on the emulated board.
+    pub emulated: T,
+}
+
+/// A setting of reactive control, and how much better than 400 Hz it is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Swept {
+    /// `p_run` or `failsafe_s`.
+    pub parameter: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// Environment, airframe and so on.
+    #[serde(flatten)]
+    pub cell: comparison::Cell,
+}
+
+/// What the flights of one cell in one role come to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Means {
+    /// Name of the environment.
+    pub environment: String,
+    /// Name of the airframe.
+    pub airframe: String,
+    /// Name of the control logic.
+    pub logic: String,
+    /// When control runs.
+    pub role: String,
+    /// Flights.
+    pub flights: usize,
+    /// Those that ended before their time; they are in no mean.
+    pub crashes: usize,
+    /// Runs per second.
+    pub rate_hz: Option<Interval>,
+    /// Runs of a hundred whose command does not differ by a quantum from the one before.
+    pub unchanged_percent: Option<Interval>,
+    /// Each metric in its unit: degrees, m, s.
+    pub metrics: BTreeMap<Metric, Interval>,
+}
+
+impl Findings {
+    /// Of a plan and what has been flown of it.
+    #[must_use]
+    pub fn of(plan: &Plan, records: &Records) -> Self {
+        let planned = plan.part(None);
+        let lacks = |sortie: &&Sortie| !records.flights.contains_key(*sortie);
+        let undecided = planned
+            .iter()
+            .filter(lacks)
+            .filter(|sortie| is_undecided(records, sortie));
+        let undecided = undecided.count();
+        let of_tier = |tier: Tier| {
+            let flights = records.flights.values();
+            flights.filter(move |landed| landed.job.sortie.tier == tier)
+        };
+        let hours = |tier| {
+            of_tier(tier)
+                .map(|landed| landed.report.duration_s)
+                .sum::<f64>()
+                / 3600.0
+        };
+        let per_second = |landed: &Landed| landed.report.control.per_second.clone();
+        let runs = of_tier(Tier::Emulated).flat_map(per_second);
+        let stamp = records.stamp.clone();
+        Self {
+            plan: plan.name.clone(),
+            sources: stamp.map(|stamp| stamp.sources).unwrap_or_default(),
+            seeds: plan.seeds,
+            sweep_seeds: plan.sweep_seeds,
+            hours: ByTier {
+                native: hours(Tier::Native),
+                emulated: hours(Tier::Emulated),
+            },
+            flights: ByTier {
+                native: of_tier(Tier::Native).count(),
+                emulated: of_tier(Tier::Emulated).count(),
+            },
+            equal_runs: runs.map(u64::from).sum(),
+            crashes: records.flights.values().filter_map(crash).collect(),
+            planned: planned.len(),
+            missing: planned.iter().filter(lacks).count() - undecided,
+            undecided,
+            comparisons: COMPARISONS.map(|one| one.over(plan, records)).to_vec(),
+            sweeps: sweeps(plan, records),
+            means: means(plan, records),
+            loads: load::all(plan, records),
+            ways: records.ways.clone(),
+        }
+    }
+
+    /// The comparison with time-triggered control in a role.
+    #[must_use]
+    pub fn against(&self, role: Role) -> Option<&Compared> {
+        let mut comparisons = self.comparisons.iter();
+        comparisons.find(|compared| {
+            compared.comparison.of == Role::Reactive && compared.comparison.against == role
+        })
+    }
+
+    /// One JSON object on one line.
+    ///
+    /// # Errors
+    /// None in practice: every value can be written.
+    pub fn to_json(&self) -> Result<String> {
+        Ok(serde_json::to_string(self)? + "\n")
+    }
+}
+
+/// Whether a flight waits for a rate that there will never be.
+fn is_undecided(records: &Records, sortie: &Sortie) -> bool {
+    let decided_by = records.flights.get(&sortie.with(Role::Reactive));
+    sortie.role == Role::EqualRuns
+        && decided_by.is_some_and(|landed| landed.report.control.rate_hz.is_none())
+}
+
+fn crash(landed: &Landed) -> Option<String> {
+    let line = landed.report.crash_line()?;
+    Some(format!("{}: {line}", landed.job.sortie))
+}
+
+/// Both sweeps with the value of `config/` among them, in the order of values.
+fn sweeps(plan: &Plan, records: &Records) -> Vec<Swept> {
+    let settings = Settings::default();
+    let p_runs = plan
+        .p_runs
+        .iter()
+        .map(|value| (f64::from(*value) / 1e3, Role::PRun(*value)));
+    let configured = (f64::from(settings.p_run) * 1e3).round() / 1e3;
+    let p_runs = p_runs.chain([(configured, Role::Reactive)]);
+    let failsafes = plan.failsafes.iter();
+    let failsafes = failsafes.map(|value| (f64::from(*value) / 1e3, Role::Failsafe(*value)));
+    let configured = settings.failsafe.ticks() as f64 * 1e-6;
+    let failsafes = failsafes.chain([(configured, Role::Reactive)]);
+    let p_runs = p_runs.map(|(value, role)| ("p_run", value, role));
+    let failsafes = failsafes.map(|(value, role)| ("failsafe_s", value, role));
+    let swept = p_runs
+        .chain(failsafes)
+        .flat_map(|(parameter, value, role)| {
+            let comparison = Comparison {
+                name: "",
+                of: role,
+                against: Role::Periodic(USUAL_HZ),
+            };
+            let compared = comparison.over(plan, records);
+            let cells = compared.cells.into_iter();
+            let of_logic = cells.filter(|cell| cell.logic == plan.sweep_logic);
+            of_logic.map(move |cell| Swept {
+                parameter,
+                value,
+                cell,
+            })
+        });
+    let mut swept: Vec<Swept> = swept.collect();
+    swept.sort_by(|one, other| {
+        let parameters = other.parameter.cmp(one.parameter);
+        parameters.then(one.value.total_cmp(&other.value))
+    });
+    swept
+}
+
+/// Every cell in every role of the main comparison.
+fn means(plan: &Plan, records: &Records) -> Vec<Means> {
+    let roles = [
+        Role::Reactive,
+        Role::Unforeseen,
+        Role::Periodic(USUAL_HZ),
+        Role::EqualRuns,
+        Role::EqualTime,
+    ];
+    let of_role = |role| {
+        let cells = comparison::pairs(plan, records, (role, role));
+        let means = cells
+            .into_iter()
+            .map(|(cell, pairs)| mean(cell, role, &pairs));
+        means.collect::<Vec<Means>>()
+    };
+    let mut means: Vec<Means> = roles.into_iter().flat_map(of_role).collect();
+    means.sort_by_key(|one| plan.place([&one.environment, &one.airframe, &one.logic]));
+    means
+}
+
+fn mean(cell: [&str; 3], role: Role, flights: &[Pair<'_>]) -> Means {
+    let of = |value: &dyn Fn(&Landed) -> Option<f64>| {
+        let values = flights.iter().filter_map(|(landed, _)| value(landed));
+        Interval::of(&values.collect::<Vec<f64>>())
+    };
+    let metrics = Metric::ALL
+        .into_iter()
+        .filter_map(|metric| Some((metric, of(&|landed| metric.value(&landed.report))?)));
+    let [environment, airframe, logic] = cell.map(str::to_owned);
+    Means {
+        environment,
+        airframe,
+        logic,
+        role: role.to_string(),
+        flights: flights.len(),
+        crashes: flights
+            .iter()
+            .filter(|(landed, _)| landed.report.crashed)
+            .count(),
+        rate_hz: of(&|landed| landed.report.control.rate_hz),
+        unchanged_percent: of(&|landed| {
+            let report = &landed.report;
+            let share = report.control.unchanged_share.filter(|_| !report.crashed);
+            share.map(|share| 100.0 * share)
+        }),
+        metrics: metrics.collect(),
+    }
+}

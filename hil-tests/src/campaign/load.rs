@@ -1,0 +1,164 @@
+//! The processor's load, from emulated flights, and the rate of equal processor time.
+//!
+//! Time-triggered control keeps the processor busy for `a + c * rate`: `a` for samples and the
+//! link, `c` for a run. Two emulated flights give both. Where reactive control is as busy as that
+//! at some rate, the two take equal processor time.
+
+use serde::Serialize;
+
+use super::journal::Records;
+use super::plan::{LOAD_RATES_HZ, Plan};
+use super::sortie::{PERIODS_US, Role, Sortie, Tier};
+
+/// What a run of time-triggered control takes of the processor.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Line {
+    /// Busy share without any run.
+    pub idle: f64,
+    /// Busy share of a run a second, s.
+    pub per_run_s: f64,
+}
+
+/// How busy reactive control keeps the processor.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Load {
+    /// Name of the environment.
+    pub environment: String,
+    /// Name of the airframe.
+    pub airframe: String,
+    /// Name of the control logic.
+    pub logic: String,
+    /// `reactive` or `unforeseen`.
+    pub role: String,
+    /// Busy share of the processor, 0 to 1.
+    pub busy: f64,
+    /// Runs per second in that flight.
+    pub rate_hz: f64,
+    /// Time-triggered control's line.
+    pub periodic: Line,
+    /// The rate of time-triggered control that is as busy, Hz; may be out of its range.
+    pub equal_time_hz: f64,
+    /// The rate that is flown: 11 to 1000 Hz.
+    pub flown_hz: f64,
+}
+
+impl Line {
+    /// Through two points of rate and busy share; none where more runs are not more work.
+    fn through([(rate, busy), (more, busier)]: [(f64, f64); 2]) -> Option<Self> {
+        let per_run_s = (busier - busy) / (more - rate);
+        (per_run_s.is_finite() && per_run_s > 0.0).then(|| Self {
+            idle: busy - per_run_s * rate,
+            per_run_s,
+        })
+    }
+
+    /// The rate at which it is so busy, Hz.
+    fn rate_hz(self, busy: f64) -> f64 {
+        (busy - self.idle) / self.per_run_s
+    }
+}
+
+impl Load {
+    /// The period of the rate that is flown, us.
+    #[must_use]
+    pub fn period_us(&self) -> u64 {
+        period_us(self.equal_time_hz)
+    }
+
+    /// Whether equal processor time is out of reach of time-triggered control.
+    #[must_use]
+    pub fn is_clamped(&self) -> bool {
+        (self.flown_hz / self.equal_time_hz - 1.0).abs() > 1e-3
+    }
+}
+
+/// The whole microseconds of a rate, within what time-triggered control can keep.
+#[must_use]
+pub fn period_us(rate_hz: f64) -> u64 {
+    let [shortest, longest] = PERIODS_US;
+    if rate_hz > 0.0 {
+        ((1e6 / rate_hz).round() as u64).clamp(shortest, longest)
+    } else {
+        longest
+    }
+}
+
+/// What was measured of reactive control, with or without foresight; none where flights lack.
+#[must_use]
+pub fn measured(plan: &Plan, records: &Records, sortie: &Sortie, role: Role) -> Option<Load> {
+    let needs = plan.needs(sortie);
+    let point = |role: Role| {
+        let emulated = needs.iter().find(|need| need.role == role)?;
+        seen(records, emulated)
+    };
+    let [slow, fast] = LOAD_RATES_HZ.map(|hz| point(Role::Periodic(hz)));
+    let periodic = Line::through([slow?, fast?])?;
+    let reactive = needs.iter().find(|need| need.role == Role::Reactive)?;
+    let (rate_hz, busy) = seen(records, &reactive.with(role))?;
+    let equal_time_hz = periodic.rate_hz(busy);
+    let [environment, airframe, logic] = sortie.cell().map(str::to_owned);
+    Some(Load {
+        environment,
+        airframe,
+        logic,
+        role: role.to_string(),
+        busy,
+        rate_hz,
+        periodic,
+        equal_time_hz,
+        flown_hz: 1e6 / period_us(equal_time_hz) as f64,
+    })
+}
+
+/// Rate and busy share of an emulated flight.
+fn seen(records: &Records, emulated: &Sortie) -> Option<(f64, f64)> {
+    let report = &records.flights.get(emulated)?.report;
+    Some((report.control.rate_hz?, report.cpu?.busy_fraction))
+}
+
+/// Everything that was measured, in the order of the flights.
+#[must_use]
+pub fn all(plan: &Plan, records: &Records) -> Vec<Load> {
+    let emulated = records.flights.keys().filter(|sortie| {
+        let is_reactive = matches!(sortie.role, Role::Reactive | Role::Unforeseen);
+        sortie.tier == Tier::Emulated && is_reactive
+    });
+    emulated
+        .filter_map(|sortie| measured(plan, records, sortie, sortie.role))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn equal_time_is_where_the_line_is_as_busy() {
+        let line = Line::through([(100.0, 0.03), (400.0, 0.06)]).unwrap();
+        assert!((line.idle - 0.02).abs() < 1e-12 && (line.per_run_s - 1e-4).abs() < 1e-15);
+        assert!((line.rate_hz(0.045) - 250.0).abs() < 1e-9);
+        assert_eq!(Line::through([(100.0, 0.03), (400.0, 0.03)]), None);
+    }
+
+    #[test]
+    fn a_rate_that_cannot_be_kept_becomes_the_nearest_that_can() {
+        for (rate_hz, period) in [
+            (250.0, 4_000),
+            (5000.0, 1_000),
+            (1.0, 90_909),
+            (-3.0, 90_909),
+            (f64::NAN, 90_909),
+        ] {
+            assert_eq!(period_us(rate_hz), period, "{rate_hz}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_period_is_that_of_its_rate(rate_hz in 11.0..1000.0f64) {
+            let period = period_us(rate_hz) as f64;
+            prop_assert!((period * rate_hz / 1e6 - 1.0).abs() < 1e-3);
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! Campaigns: hundreds of simulated hours that compare reactive with periodic control.
+//!
+//! ```text
+//!   plan --> jobs --> crew (a program per airframe) --> journal --> findings --> report, tables
+//! ```
+//! A *trial* is one airframe with one logic in one environment under one seed, flown reactively
+//! and time-triggered in the same wind. Emulated flights measure the processor's load first, and
+//! with it the rate at which time-triggered control takes equal processor time. Every flight
+//! follows from its job alone, and is told of in a line of the journal: a campaign may be stopped,
+//! or flown in parts on many computers, and comes to the same report.
+
+mod comparison;
+mod crew;
+mod findings;
+mod interval;
+mod journal;
+mod load;
+mod plan;
+mod report;
+mod sortie;
+mod sources;
+mod table;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+
+use crate::progress::Progress;
+use crate::refusal::Refusal;
+
+pub use comparison::{Cell, Compared, Comparison, Metric};
+pub use crew::{Crew, Here, Programs, WORKER, serve};
+pub use findings::Findings;
+pub use interval::Interval;
+pub use plan::{Plan, Shard};
+
+use crew::Orders;
+use journal::{Journal, Records, Stamp};
+use sortie::{Job, Role, Sortie, Tier};
+
+/// What a campaign is told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CampaignOptions {
+    /// Which flights.
+    pub plan: Plan,
+    /// The part that is flown; all of it without one.
+    pub shard: Option<Shard>,
+    /// Where journals, tables and report are.
+    pub folder: PathBuf,
+    /// Nothing is flown: the report is of what there is.
+    pub report_only: bool,
+}
+
+/// Flies what is not yet flown, then tells of everything that the folder holds.
+///
+/// `date` is written into the report, and nowhere else.
+///
+/// # Errors
+/// A journal that does not belong to this campaign, a folder that cannot be written to (both
+/// refusals), a flight that fails, firmware that contradicts the host.
+pub fn campaign(
+    options: &CampaignOptions,
+    crew: &mut dyn Crew,
+    date: &str,
+    progress: &mut dyn Progress,
+) -> Result<Findings> {
+    let (plan, folder) = (&options.plan, &options.folder);
+    let records = if options.report_only {
+        let records = Records::read(folder, None)?;
+        if records.flights.is_empty() {
+            let folder = folder.display();
+            let line = format!("--report-only: {folder} holds no journal with a flight");
+            return Err(Refusal::new(line).into());
+        }
+        check_plan(&records, plan, folder)?;
+        records
+    } else {
+        let stamp = Stamp::new(&plan.name, sources::fingerprint()?);
+        let journal = Journal::open(folder, options.shard, &stamp)?;
+        let mut flying = Flying {
+            plan,
+            stamp,
+            journal,
+        };
+        flying.all(options.shard, crew, progress)?;
+        flying.journal.records
+    };
+    progress.stage("Writing the report");
+    let findings = Findings::of(plan, &records);
+    let write = |name: &str, bytes: &[u8]| {
+        let path = folder.join(name);
+        fs::write(&path, bytes).with_context(|| format!("{} cannot be written", path.display()))
+    };
+    write("flights.parquet", &table::parquet(&records)?)?;
+    let page = report::html(plan, &records, &findings, date)?;
+    write("report.html", page.as_bytes())?;
+    Ok(findings)
+}
+
+fn check_plan(records: &Records, plan: &Plan, folder: &Path) -> Result<(), Refusal> {
+    match &records.stamp {
+        Some(stamp) if stamp.plan != plan.name => Err(Refusal::new(format!(
+            "{}: its journals are of plan {}, not of {}",
+            folder.display(),
+            stamp.plan,
+            plan.name
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// A campaign in the air.
+struct Flying<'p> {
+    plan: &'p Plan,
+    stamp: Stamp,
+    journal: Journal,
+}
+
+impl Flying<'_> {
+    /// Everything of a part, airframe by airframe: load, then reactive control, then what it decides.
+    fn all(
+        &mut self,
+        shard: Option<Shard>,
+        crew: &mut dyn Crew,
+        progress: &mut dyn Progress,
+    ) -> Result<()> {
+        let part = self.plan.part(shard);
+        let is_emulated = |sortie: &Sortie| sortie.tier == Tier::Emulated;
+        if part.iter().any(is_emulated) && self.journal.records.ways.is_empty() {
+            let line = journal::ways_line(&self.stamp, crew.ways(progress)?)?;
+            self.journal.write(&line)?;
+        }
+        for airframe in &self.plan.airframes {
+            let own: BTreeSet<&Sortie> = part
+                .iter()
+                .filter(|sortie| sortie.airframe == *airframe)
+                .collect();
+            let follows = |sortie: &Sortie| sortie.role == Role::EqualRuns;
+            let waves: [&dyn Fn(&Sortie) -> bool; 3] = [
+                &|sortie| is_emulated(sortie),
+                &|sortie| !is_emulated(sortie) && !follows(sortie),
+                &|sortie| follows(sortie),
+            ];
+            for wave in waves {
+                let sorties = own.iter().copied().filter(|sortie| wave(sortie));
+                self.wave(airframe, sorties, crew, progress)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn wave<'s>(
+        &mut self,
+        airframe: &str,
+        sorties: impl Iterator<Item = &'s Sortie>,
+        crew: &mut dyn Crew,
+        progress: &mut dyn Progress,
+    ) -> Result<()> {
+        let records = &self.journal.records;
+        let left = sorties.filter(|sortie| !records.flights.contains_key(sortie));
+        let mut jobs: Vec<Job> = left.filter_map(|sortie| self.job(sortie)).collect();
+        let Some(first) = jobs.first() else {
+            return Ok(());
+        };
+        let tier = first.sortie.tier;
+        // The longest first, so that no core is left alone with it.
+        jobs.sort_by_key(|job| std::cmp::Reverse(job.sortie.duration_s));
+        let orders = Orders {
+            stamp: self.stamp.clone(),
+            airframe: airframe.to_owned(),
+            tier,
+            jobs,
+        };
+        let (mut done, of) = (0, orders.jobs.len());
+        let journal = &mut self.journal;
+        crew.fly(&orders, progress, &mut |line, progress| {
+            journal.write(line)?;
+            done += 1;
+            progress.done(f64::from(done), of as f64);
+            Ok(())
+        })
+    }
+
+    /// What a flight is told; none where the flight that decides it crashed or lacks.
+    fn job(&self, sortie: &Sortie) -> Option<Job> {
+        let records = &self.journal.records;
+        let period_us = match sortie.role {
+            Role::Periodic(hz) => Some(load::period_us(f64::from(hz))),
+            Role::EqualRuns => {
+                let reactive = records.flights.get(&sortie.with(Role::Reactive))?;
+                Some(load::period_us(reactive.report.control.rate_hz?))
+            }
+            Role::EqualTime => {
+                let load = load::measured(self.plan, records, sortie, Role::Reactive)?;
+                Some(load.period_us())
+            }
+            _ => None,
+        };
+        Some(Job {
+            sortie: sortie.clone(),
+            period_us,
+        })
+    }
+}

@@ -1,0 +1,471 @@
+//! Plans by name: which flights a campaign has.
+
+use std::collections::BTreeSet;
+use std::str::FromStr;
+
+use reflex::config::AIRFRAME;
+
+use super::sortie::{Role, SCORED_FROM_S, Sortie, Tier};
+use crate::refusal::Refusal;
+
+/// Every plan's name.
+pub const NAMES: [&str; 2] = ["paper", "smoke"];
+/// Most seeds of a plan.
+pub const MOST_SEEDS: u32 = 10_000;
+/// Rates of time-triggered control that the processor's load is worked out from, Hz.
+pub const LOAD_RATES_HZ: [u32; 2] = [100, 400];
+/// The rate of time-triggered control that the paper compares with, Hz.
+pub const USUAL_HZ: u32 = 400;
+/// How much longer a second of emulated flight takes than a native one, for equal parts.
+const EMULATED_WEIGHT: u64 = 150;
+
+/// The flights of a campaign, in a few words.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Its name.
+    pub name: String,
+    /// Environments, from calm to windy.
+    pub environments: Vec<String>,
+    /// Airframes that fly.
+    pub airframes: Vec<String>,
+    /// Control logics that fly.
+    pub logics: Vec<String>,
+    /// Seeds of the main comparison, 1 to this.
+    pub seeds: u32,
+    /// Seeds that `P_run` and `T_failsafe` are varied over, 1 to this.
+    pub sweep_seeds: u32,
+    /// The logic that they are varied with.
+    pub sweep_logic: String,
+    /// Values of `P_run` in thousandths, besides that of `config/`.
+    pub p_runs: Vec<u32>,
+    /// Values of `T_failsafe` in ms, besides that of `config/`.
+    pub failsafes: Vec<u32>,
+    /// From take-off to the end of every flight but the long ones, s.
+    pub duration_s: u32,
+    /// Airframe and length in s of the flights whose rate is shown over time.
+    pub long: (String, u32),
+    /// Emulated flights that load is measured with, s each; none where nothing is emulated.
+    pub emulated_s: Option<u32>,
+}
+
+/// Flights that are flown by the same part of a campaign.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unit(pub Vec<Sortie>);
+
+/// One of a campaign's equal parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Which, from 1.
+    pub index: u32,
+    /// Of how many.
+    pub of: u32,
+}
+
+impl Plan {
+    /// The plan of a name, with other numbers of seeds where asked for.
+    ///
+    /// # Errors
+    /// An unknown name, with those that are known; a number of seeds out of range.
+    pub fn named(name: &str, seeds: Option<u32>) -> Result<Self, Refusal> {
+        let mut plan = match name {
+            "paper" => Self::paper(),
+            "smoke" => Self::smoke(),
+            _ => {
+                let known = NAMES.join(", ");
+                let line = format!("{name}: is no plan, must be one of {known}");
+                return Err(Refusal::new(line));
+            }
+        };
+        if let Some(seeds) = seeds {
+            if !(1..=MOST_SEEDS).contains(&seeds) {
+                let line = format!("--seeds {seeds}: must be 1 to {MOST_SEEDS}");
+                return Err(Refusal::new(line));
+            }
+            plan.seeds = seeds;
+            plan.sweep_seeds = plan.sweep_seeds.min(seeds);
+        }
+        Ok(plan)
+    }
+
+    /// The same plan with as many seeds as make so many hours, at least.
+    ///
+    /// # Errors
+    /// More hours than the most seeds make.
+    pub fn for_hours(name: &str, hours: f64) -> Result<Self, Refusal> {
+        let with = |seeds: u32| Self::named(name, Some(seeds));
+        if !(hours > 0.0 && hours <= with(MOST_SEEDS)?.hours()) {
+            let most = with(MOST_SEEDS)?.hours();
+            let line = format!("--hours {hours}: must be above 0 and at most {most:.0}");
+            return Err(Refusal::new(line));
+        }
+        let (mut few, mut enough) = (0, MOST_SEEDS);
+        while enough - few > 1 {
+            let between = few + (enough - few) / 2;
+            if with(between)?.hours() >= hours {
+                enough = between;
+            } else {
+                few = between;
+            }
+        }
+        with(enough)
+    }
+
+    /// Simulated hours of all flights.
+    #[must_use]
+    pub fn hours(&self) -> f64 {
+        let cells = (self.environments.len() * self.airframes.len()) as f64;
+        let unit = |cell: [&String; 3], seed| self.trial(cell, seed).seconds() as f64;
+        let names = [&self.airframes[..], &self.environments[..]].map(|names| names.first());
+        let [Some(airframe), Some(environment)] = names else {
+            return 0.0;
+        };
+        let trials = self.logics.iter().map(|logic| {
+            let cell = [airframe, logic, environment];
+            let swept = unit(cell, 1) * f64::from(self.sweep_seeds.min(self.seeds));
+            let rest = self.seeds.saturating_sub(self.sweep_seeds);
+            swept + unit(cell, u32::MAX) * f64::from(rest)
+        });
+        let loads = self
+            .logics
+            .iter()
+            .filter_map(|logic| self.load_flights([airframe, logic]));
+        let loads: u64 = loads.map(|unit| unit.seconds()).sum();
+        let seconds = cells * trials.sum::<f64>()
+            + (loads * self.airframes.len() as u64 + self.long_flights().seconds()) as f64;
+        seconds / 3600.0
+    }
+
+    /// What Bregu et al. 2016 flew for eight months, section 7: 260 hours and more.
+    fn paper() -> Self {
+        Self {
+            name: "paper".into(),
+            environments: owned(&["lab", "rugby", "arch"]),
+            airframes: owned(&["quad_x", "hexa_x", "y6"]),
+            logics: owned(&["arducopter", "openpilot", "cleanflight"]),
+            seeds: 51,
+            sweep_seeds: 30,
+            sweep_logic: "arducopter".into(),
+            p_runs: vec![200, 300, 400, 500, 700, 800],
+            failsafes: vec![10, 50, 200, 300],
+            duration_s: 100,
+            long: ("hexa_x".into(), 600),
+            emulated_s: Some(30),
+        }
+    }
+
+    /// Every kind of flight once or twice, in a minute.
+    fn smoke() -> Self {
+        Self {
+            name: "smoke".into(),
+            environments: owned(&["lab", "arch"]),
+            airframes: owned(&[AIRFRAME]),
+            logics: owned(&["arducopter"]),
+            seeds: 2,
+            sweep_seeds: 2,
+            sweep_logic: "arducopter".into(),
+            p_runs: vec![300],
+            failsafes: vec![200],
+            duration_s: 30,
+            long: (AIRFRAME.into(), 40),
+            emulated_s: Some(16),
+        }
+    }
+
+    /// The same without emulated flights, and so without equal processor time.
+    #[must_use]
+    pub fn native(self) -> Self {
+        Self {
+            emulated_s: None,
+            ..self
+        }
+    }
+
+    /// Every flight, in the order of airframes: each has a program of its own.
+    #[must_use]
+    pub fn units(&self) -> Vec<Unit> {
+        let mut units = Vec::new();
+        for airframe in &self.airframes {
+            for logic in &self.logics {
+                units.extend(self.load_flights([airframe, logic]));
+                for environment in &self.environments {
+                    let seeds = 1..=self.seeds;
+                    let cell = [airframe, logic, environment];
+                    units.extend(seeds.map(|seed| self.trial(cell, seed)));
+                }
+            }
+            if *airframe == self.long.0 {
+                units.push(self.long_flights());
+            }
+        }
+        units
+    }
+
+    /// One airframe and logic under the same wind in every way.
+    fn trial(&self, [airframe, logic, environment]: [&String; 3], seed: u32) -> Unit {
+        let sortie = |role| Sortie {
+            tier: Tier::Native,
+            airframe: airframe.clone(),
+            logic: logic.clone(),
+            environment: environment.clone(),
+            duration_s: self.duration_s,
+            role,
+            seed,
+        };
+        let mut roles = vec![
+            Role::Reactive,
+            Role::Unforeseen,
+            Role::Periodic(USUAL_HZ),
+            Role::EqualRuns,
+        ];
+        if self.emulated_s.is_some() {
+            roles.push(Role::EqualTime);
+        }
+        if *logic == self.sweep_logic && seed <= self.sweep_seeds {
+            roles.extend(self.p_runs.iter().copied().map(Role::PRun));
+            roles.extend(self.failsafes.iter().copied().map(Role::Failsafe));
+        }
+        Unit(roles.into_iter().map(sortie).collect())
+    }
+
+    /// Emulated flights of an airframe with a logic, for the processor's load.
+    fn load_flights(&self, [airframe, logic]: [&str; 2]) -> Option<Unit> {
+        let duration_s = self.emulated_s?;
+        let sortie = |environment: &String, role| Sortie {
+            tier: Tier::Emulated,
+            airframe: airframe.to_owned(),
+            logic: logic.to_owned(),
+            environment: environment.clone(),
+            duration_s,
+            role,
+            seed: 1,
+        };
+        let windiest = self.environments.last()?;
+        let clock = LOAD_RATES_HZ.map(|hz| sortie(windiest, Role::Periodic(hz)));
+        let reactive = self.environments.iter().flat_map(|environment| {
+            [Role::Reactive, Role::Unforeseen].map(|role| sortie(environment, role))
+        });
+        Some(Unit(clock.into_iter().chain(reactive).collect()))
+    }
+
+    /// Flights whose rate of control is shown over time (the paper's figure 11).
+    fn long_flights(&self) -> Unit {
+        let (calm, windy) = (self.environments.first(), self.environments.last());
+        let flights = [
+            (windy, Role::Reactive),
+            (calm, Role::Reactive),
+            (windy, Role::Periodic(USUAL_HZ)),
+        ];
+        let sortie = |(environment, role): (Option<&String>, Role)| {
+            Some(Sortie {
+                tier: Tier::Native,
+                airframe: self.long.0.clone(),
+                logic: self.sweep_logic.clone(),
+                environment: environment?.clone(),
+                duration_s: self.long.1,
+                role,
+                seed: 1,
+            })
+        };
+        Unit(flights.into_iter().filter_map(sortie).collect())
+    }
+
+    /// The flights of a part, in order; flights that others wait for belong to it, whoever owns them.
+    #[must_use]
+    pub fn part(&self, shard: Option<Shard>) -> BTreeSet<Sortie> {
+        let own: BTreeSet<Sortie> = match shard {
+            None => self.units().into_iter().flat_map(|unit| unit.0).collect(),
+            Some(shard) => shard.of(self.units()).flat_map(|unit| unit.0).collect(),
+        };
+        let waiting = own.iter().filter(|sortie| sortie.role == Role::EqualTime);
+        let needed: BTreeSet<Sortie> = waiting.flat_map(|sortie| self.needs(sortie)).collect();
+        own.into_iter().chain(needed).collect()
+    }
+
+    /// Where a cell stands in tables: by logic, environment and airframe, as the plan lists them.
+    #[must_use]
+    pub fn place(&self, [environment, airframe, logic]: [&str; 3]) -> [Option<usize>; 3] {
+        let within = |names: &[String], name: &str| names.iter().position(|it| it == name);
+        [
+            within(&self.logics, logic),
+            within(&self.environments, environment),
+            within(&self.airframes, airframe),
+        ]
+    }
+
+    /// The emulated flights that equal processor time of a flight follows from.
+    #[must_use]
+    pub fn needs(&self, sortie: &Sortie) -> Vec<Sortie> {
+        let unit = self.load_flights([&sortie.airframe, &sortie.logic]);
+        let flights = unit.map(|unit| unit.0).unwrap_or_default();
+        let is_needed = |flight: &Sortie| match flight.role {
+            Role::Periodic(_) => true,
+            role => role == Role::Reactive && flight.environment == sortie.environment,
+        };
+        flights.into_iter().filter(is_needed).collect()
+    }
+}
+
+impl Unit {
+    /// Simulated seconds.
+    fn seconds(&self) -> u64 {
+        self.0
+            .iter()
+            .map(|sortie| u64::from(sortie.duration_s))
+            .sum()
+    }
+
+    fn weight(&self) -> u64 {
+        let weights = self.0.iter().map(|sortie| {
+            let seconds = u64::from(sortie.duration_s.max(SCORED_FROM_S));
+            match sortie.tier {
+                Tier::Emulated => seconds * EMULATED_WEIGHT,
+                Tier::Native => seconds,
+            }
+        });
+        weights.sum()
+    }
+}
+
+impl Shard {
+    /// Its units: neighbours, as they need the same programs.
+    ///
+    /// Every unit is of exactly one part: that in which the middle of its weight falls.
+    fn of(self, units: Vec<Unit>) -> impl Iterator<Item = Unit> {
+        let total: u64 = units.iter().map(Unit::weight).sum();
+        let mut before = 0;
+        units.into_iter().filter(move |unit| {
+            let middle = 2 * before + unit.weight();
+            before += unit.weight();
+            let place = u128::from(middle) * u128::from(self.of) / u128::from(2 * total.max(1));
+            place == u128::from(self.index - 1)
+        })
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text.split_once('/').and_then(|(index, of)| {
+            let number = |text: &str| {
+                text.bytes()
+                    .all(|c| c.is_ascii_digit())
+                    .then(|| text.parse().ok())?
+            };
+            Some((number(index)?, number(of)?))
+        });
+        match numbers {
+            Some((index, of)) if (1..=of).contains(&index) && of <= 10_000 => {
+                Ok(Self { index, of })
+            }
+            _ => Err("must be I/N with I from 1 to N, and N at most 10000".to_owned()),
+        }
+    }
+}
+
+fn owned(names: &[&str]) -> Vec<String> {
+    names.iter().map(|name| (*name).to_owned()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn hours(plan: &Plan, tier: Tier) -> f64 {
+        let sorties = plan.part(None).into_iter();
+        let of_tier = sorties.filter(|sortie| sortie.tier == tier);
+        of_tier
+            .map(|sortie| f64::from(sortie.duration_s))
+            .sum::<f64>()
+            / 3600.0
+    }
+
+    #[test]
+    fn the_paper_takes_260_hours_and_half_an_hour_on_the_emulated_board() {
+        let plan = Plan::named("paper", None).unwrap();
+        assert!(
+            hours(&plan, Tier::Native) > 265.0,
+            "{}",
+            hours(&plan, Tier::Native)
+        );
+        assert!(hours(&plan, Tier::Emulated) >= 0.55);
+    }
+
+    #[test]
+    fn a_plan_of_an_unknown_name_lists_the_known_ones() {
+        let error = Plan::named("papers", None).unwrap_err();
+        let line = "papers: is no plan, must be one of paper, smoke";
+        assert_eq!(error.to_string(), line);
+        for seeds in [0, MOST_SEEDS + 1] {
+            let error = Plan::named("smoke", Some(seeds)).unwrap_err().to_string();
+            assert_eq!(error, format!("--seeds {seeds}: must be 1 to 10000"));
+        }
+    }
+
+    #[test]
+    fn a_flight_at_equal_processor_time_needs_the_load_of_its_logic_and_airframe() {
+        let plan = Plan::named("paper", Some(1)).unwrap();
+        let part = plan.part(None);
+        let waits = part.iter().filter(|sortie| sortie.role == Role::EqualTime);
+        for sortie in waits {
+            let needs = plan.needs(sortie);
+            assert_eq!(needs.len(), 3);
+            assert!(needs.iter().all(|need| part.contains(need)));
+        }
+    }
+
+    #[test]
+    fn hours_are_those_of_all_flights_and_choose_the_seeds() {
+        for (name, seeds) in [("paper", 1), ("paper", 40), ("smoke", 3)] {
+            let plan = Plan::named(name, Some(seeds)).unwrap();
+            let all = hours(&plan, Tier::Native) + hours(&plan, Tier::Emulated);
+            assert!((plan.hours() - all).abs() < 1e-9, "{name} {seeds}");
+            assert_eq!(Plan::for_hours(name, all).unwrap().seeds, seeds);
+            assert_eq!(Plan::for_hours(name, all + 0.001).unwrap().seeds, seeds + 1);
+        }
+        for hours in [0.0, -1.0, f64::NAN, 1e9] {
+            let error = Plan::for_hours("paper", hours).unwrap_err().to_string();
+            assert!(
+                error.starts_with(&format!("--hours {hours}: must be above 0")),
+                "{error}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_no_part_is_refused() {
+        for text in [
+            "", "1", "0/3", "4/3", "1/0", "-1/3", "a/b", "1/3/5", "+1/3", " 1/3", "1/10001",
+        ] {
+            assert!(text.parse::<Shard>().is_err(), "{text}");
+        }
+        assert_eq!("2/3".parse(), Ok(Shard { index: 2, of: 3 }));
+    }
+
+    proptest! {
+        #[test]
+        fn parts_are_disjoint_and_complete(of in 1..60u32, seeds in 1..6u32, smoke: bool) {
+            let name = if smoke { "smoke" } else { "paper" };
+            let plan = Plan::named(name, Some(seeds)).unwrap();
+            let mut parts = Vec::new();
+            for index in 1..=of {
+                parts.extend(Shard { index, of }.of(plan.units()).flat_map(|unit| unit.0));
+            }
+            let count = parts.len();
+            let all: BTreeSet<Sortie> = parts.into_iter().collect();
+            prop_assert_eq!(all.len(), count, "no flight is of two parts");
+            prop_assert_eq!(all, plan.part(None));
+        }
+
+        #[test]
+        fn a_part_holds_what_its_flights_wait_for(index in 1..=7u32) {
+            let plan = Plan::named("paper", Some(2)).unwrap();
+            let part = plan.part(Some(Shard { index, of: 7 }));
+            let waits = part.iter().filter(|sortie| sortie.role == Role::EqualTime);
+            for need in waits.flat_map(|sortie| plan.needs(sortie)) {
+                prop_assert!(part.contains(&need));
+            }
+        }
+    }
+}

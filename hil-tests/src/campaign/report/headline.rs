@@ -1,0 +1,186 @@
+//! The answer in plain words, made from the numbers.
+
+use maud::{Markup, html};
+
+use super::paper;
+use crate::campaign::comparison::{Cell, Compared, Metric};
+use crate::campaign::findings::Findings;
+use crate::campaign::interval::Interval;
+use crate::campaign::plan::USUAL_HZ;
+use crate::campaign::sortie::Role;
+
+/// What the first lines compare, with what is written of the other side.
+const AGAINST: [(Role, &str); 3] = [
+    (Role::EqualRuns, "that runs as often"),
+    (Role::EqualTime, "that takes as much processor time"),
+    (Role::Periodic(USUAL_HZ), "at 400 Hz"),
+];
+
+/// The first section.
+pub fn section(findings: &Findings) -> Markup {
+    let [low, high] = paper::PITCH_PERCENT;
+    let [short, long] = paper::FLIGHT_TIME_PERCENT;
+    html! {
+        p {
+            (format!("{:.1}", findings.hours.native)) " simulated flight hours ("
+            (findings.flights.native) " flights)"
+            @if findings.flights.emulated > 0 {
+                " and " (format!("{:.2}", findings.hours.emulated))
+                " hours of the firmware on the emulated board (" (findings.flights.emulated)
+                " flights, " (findings.equal_runs) " runs, all of which came to the host's command bit by bit)"
+            }
+            ". Percentages are means over all environments, airframes and control logics, with their "
+            "95 % confidence interval over seeds. Positive is better: less error, or more flight time."
+        }
+        ul {
+            @for (role, words) in AGAINST {
+                @if let Some(compared) = findings.against(role) {
+                    (answer(compared, words))
+                }
+            }
+        }
+        p class="paper" {
+            "The paper found, against time-triggered control at " (paper::RATE_HZ) " Hz: " (low) " to "
+            (high) " % less pitch error, and " (short) " to " (long) " % more flight time."
+        }
+        @if findings.missing > 0 {
+            p class="warning" {
+                (findings.missing) " of " (findings.planned) " planned flights are not flown yet: the same "
+                "command flies them."
+            }
+        }
+        (crashes(findings))
+    }
+}
+
+fn answer(compared: &Compared, words: &str) -> Markup {
+    html! {
+        li {
+            strong { "Against periodic control " (words) ": " }
+            @if compared.improvement_percent.is_empty() {
+                "not flown."
+            } @else {
+                @for metric in [Metric::Attitude, Metric::Pitch, Metric::FlightTime] {
+                    @if let Some(interval) = compared.improvement_percent.get(&metric) {
+                        (sentence(metric, interval)) " " (range(metric, &compared.cells)) " "
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// One metric in words.
+fn sentence(metric: Metric, interval: &Interval) -> String {
+    let more = (interval.mean > 0.0) == (metric == Metric::FlightTime);
+    let by = interval.mean.abs();
+    let change = if more { "more" } else { "less" };
+    let name = metric.name();
+    match interval.half_width {
+        None => format!("{by:.1} % {change} {name} (of too few seeds for an interval)"),
+        Some(half) if half >= by => {
+            let [low, high] = interval.ends();
+            format!(
+                "no difference in {name} that could be told from chance ({low:+.1} to {high:+.1} %)"
+            )
+        }
+        Some(_) => {
+            let [low, high] = interval.ends();
+            format!("{by:.1} % {change} {name} (improvement {low:+.1} to {high:+.1} %)")
+        }
+    }
+}
+
+/// The cells with the lowest and the highest improvement.
+fn range(metric: Metric, cells: &[Cell]) -> String {
+    let of = |cell: &Cell| {
+        cell.improvement_percent
+            .get(&metric)
+            .map(|interval| interval.mean)
+    };
+    let known = || cells.iter().filter_map(|cell| Some((of(cell)?, cell)));
+    let low = known().min_by(|one, other| one.0.total_cmp(&other.0));
+    let high = known().max_by(|one, other| one.0.total_cmp(&other.0));
+    let place = |cell: &Cell| format!("{}, {}, {}", cell.environment, cell.airframe, cell.logic);
+    match low.zip(high) {
+        Some(((low, worst), (high, best))) if cells.len() > 1 => {
+            let (worst, best) = (place(worst), place(best));
+            format!("– by cell {low:+.1} % ({worst}) to {high:+.1} % ({best}).")
+        }
+        _ => ".".to_owned(),
+    }
+}
+
+fn crashes(findings: &Findings) -> Markup {
+    /// Crashes that are told one by one.
+    const TOLD: usize = 50;
+    let count = findings.crashes.len();
+    html! {
+        @if count == 0 {
+            p { "No flight crashed." }
+        } @else {
+            p class="warning" {
+                strong { (count) " flights crashed. " }
+                "They have no error and no flight time, and their pairs are in no mean: the tables count them."
+            }
+            details {
+                summary { "Which" }
+                ul {
+                    @for line in findings.crashes.iter().take(TOLD) { li { (line) } }
+                    @if count > TOLD { li { "and " (count - TOLD) " more, in flights.parquet" } }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn interval(mean: f64, half_width: Option<f64>) -> Interval {
+        Interval {
+            mean,
+            half_width,
+            count: 5,
+        }
+    }
+
+    #[test]
+    fn words_follow_from_sign_and_interval() {
+        for (metric, mean, half, expected) in [
+            (
+                Metric::Pitch,
+                3.0,
+                Some(1.0),
+                "3.0 % less pitch error (improvement +2.0 to +4.0 %)",
+            ),
+            (
+                Metric::Pitch,
+                -3.0,
+                Some(1.0),
+                "3.0 % more pitch error (improvement -4.0 to -2.0 %)",
+            ),
+            (
+                Metric::FlightTime,
+                3.0,
+                Some(1.0),
+                "3.0 % more flight time (improvement +2.0 to +4.0 %)",
+            ),
+            (
+                Metric::FlightTime,
+                -0.5,
+                Some(1.0),
+                "no difference in flight time that could be told from chance (-1.5 to +0.5 %)",
+            ),
+            (
+                Metric::Roll,
+                2.0,
+                None,
+                "2.0 % less roll error (of too few seeds for an interval)",
+            ),
+        ] {
+            assert_eq!(sentence(metric, &interval(mean, half)), expected);
+        }
+    }
+}

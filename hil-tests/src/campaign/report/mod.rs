@@ -1,0 +1,90 @@
+//! `report.html`: one page that works offline, its figures within it.
+//!
+//! Everything follows from the journals; only one line, the date, does not. The template escapes
+//! all text.
+
+mod bars;
+mod figures;
+mod headline;
+mod made;
+mod paper;
+mod tables;
+
+use anyhow::Result;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::findings::Findings;
+use super::journal::Records;
+use super::plan::Plan;
+
+/// How the page looks, on a screen and on paper.
+const STYLE: &str = "
+body { font: 16px/1.5 sans-serif; color: #222; margin: 2em auto; max-width: 1500px; padding: 0 1em }
+p, ul { max-width: 60em }
+table { border-collapse: collapse; font-size: 14px; display: block; overflow-x: auto }
+th, td { padding: 2px 8px; text-align: right; white-space: nowrap; border-bottom: 1px solid #ddd }
+th { vertical-align: bottom; border-bottom: 2px solid #222 }
+th.name, td.name { text-align: left }
+td.better { color: #006b4f } td.worse { color: #b03a00 }
+figure { margin: 2em 0 } figcaption { max-width: 60em }
+svg { max-width: 100%; height: auto }
+.paper { border-left: 4px solid #bbb; padding-left: 1em }
+.warning { border-left: 4px solid #b03a00; padding-left: 1em }
+@media print { figure { break-inside: avoid } }
+";
+
+/// A figure with its number in the paper, and what is said below it.
+struct Shown {
+    /// As in the paper.
+    number: &'static str,
+    title: &'static str,
+    svg: String,
+    /// What is ours.
+    ours: String,
+    /// What the paper says of its own.
+    paper: &'static str,
+}
+
+/// The page.
+///
+/// # Errors
+/// None in practice: nothing is written but a string.
+pub fn html(plan: &Plan, records: &Records, findings: &Findings, date: &str) -> Result<String> {
+    let figures = figures::all(plan, records, findings)?;
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { "Reactive against periodic control: campaign " (plan.name) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { "Reactive against periodic control" }
+                (headline::section(findings))
+                (tables::section(plan, findings))
+                h2 { "Figures" }
+                @for shown in &figures { (figure(shown)) }
+                (made::section(plan, findings))
+                // On a line of its own, so that two reports of the same flights differ in that alone.
+                (PreEscaped("\n")) p { "Written on " (date) "." } (PreEscaped("\n"))
+            }
+        }
+    };
+    Ok(page.into_string() + "\n")
+}
+
+fn figure(shown: &Shown) -> Markup {
+    html! {
+        figure {
+            h3 { (shown.title) " (figure " (shown.number) " of the paper)" }
+            // Drawn by this program, whose figures escape what they are given.
+            (PreEscaped(&shown.svg))
+            figcaption {
+                p { (shown.ours) }
+                p class="paper" { "The paper: " (shown.paper) }
+            }
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! Tables: every environment, airframe and logic.
+
+use maud::{Markup, html};
+
+use crate::campaign::comparison::{COMPARISONS, Cell, Compared, Metric};
+use crate::campaign::findings::{Findings, Means};
+use crate::campaign::interval::Interval;
+use crate::campaign::plan::Plan;
+
+/// What the table of improvements has columns of.
+const SHOWN: [Metric; 4] = [Metric::Pitch, Metric::Roll, Metric::Yaw, Metric::FlightTime];
+
+/// All tables.
+pub fn section(plan: &Plan, findings: &Findings) -> Markup {
+    html! {
+        h2 { "Every environment, airframe and control logic" }
+        p {
+            "Improvement in %, mean ± half of the 95 % interval over pairs of one seed in which nobody "
+            "crashed; crashes of either side beside it."
+        }
+        @for (place, compared) in findings.comparisons.iter().enumerate() {
+            @if !compared.cells.is_empty() {
+                h3 { (COMPARISONS[place].name) }
+                (improvements(compared))
+            }
+        }
+        h3 { "What each cell comes to" }
+        (means(&findings.means))
+        (loads(plan, findings))
+    }
+}
+
+fn improvements(compared: &Compared) -> Markup {
+    html! {
+        table {
+            tr {
+                (names_head())
+                @for metric in SHOWN { th { (metric.name()) } }
+                th { "pairs" } th { "crashes" }
+            }
+            @for cell in &compared.cells {
+                tr {
+                    (names(&cell.environment, &cell.airframe, &cell.logic))
+                    @for metric in SHOWN { (improvement(cell, metric)) }
+                    td { (cell.pairs) }
+                    td { (cell.crashes[0]) " : " (cell.crashes[1]) }
+                }
+            }
+        }
+    }
+}
+
+fn improvement(cell: &Cell, metric: Metric) -> Markup {
+    let Some(interval) = cell.improvement_percent.get(&metric) else {
+        return html! { td { "–" } };
+    };
+    let [low, high] = interval.ends();
+    let class = match (interval.half_width, low > 0.0, high < 0.0) {
+        (Some(_), true, _) => "better",
+        (Some(_), _, true) => "worse",
+        _ => "",
+    };
+    html! { td class=(class) { (signed(interval)) } }
+}
+
+fn means(means: &[Means]) -> Markup {
+    html! {
+        table {
+            tr {
+                (names_head())
+                th class="name" { "control" }
+                th { "runs/s" } th { "unchanged, %" }
+                th { "roll error, °" } th { "pitch error, °" } th { "yaw error, °" }
+                th { "position error, m" } th { "flight time, min" } th { "flights" } th { "crashes" }
+            }
+            @for one in means {
+                tr {
+                    (names(&one.environment, &one.airframe, &one.logic))
+                    td class="name" { (one.role) }
+                    td { (plain(one.rate_hz.as_ref(), 1.0, 1)) }
+                    td { (plain(one.unchanged_percent.as_ref(), 1.0, 1)) }
+                    @for (metric, digits) in [(Metric::Roll, 3), (Metric::Pitch, 3), (Metric::Yaw, 3), (Metric::Position, 3)] {
+                        td { (plain(one.metrics.get(&metric), 1.0, digits)) }
+                    }
+                    td { (plain(one.metrics.get(&Metric::FlightTime), 60.0, 2)) }
+                    td { (one.flights) } td { (one.crashes) }
+                }
+            }
+        }
+    }
+}
+
+fn loads(plan: &Plan, findings: &Findings) -> Markup {
+    let mut loads: Vec<_> = findings.loads.iter().collect();
+    loads.sort_by_key(|load| plan.place([&load.environment, &load.airframe, &load.logic]));
+    html! {
+        h3 { "Processor time" }
+        p {
+            "Of the firmware on the emulated board at 168 MHz, an instruction a cycle. Time-triggered control "
+            "is busy for a + c · rate, through flights at 100 and 400 Hz; at the rate of equal time it is as "
+            "busy as reactive control. Where that lies beyond 11 to 1000 Hz, the nearest is flown."
+        }
+        table {
+            tr {
+                (names_head())
+                th class="name" { "control" }
+                th { "runs/s" } th { "busy, %" } th { "a, %" } th { "c, us a run" }
+                th { "equal time, Hz" } th { "flown, Hz" }
+            }
+            @for load in loads {
+                tr {
+                    (names(&load.environment, &load.airframe, &load.logic))
+                    td class="name" { (load.role) }
+                    td { (format!("{:.1}", load.rate_hz)) }
+                    td { (format!("{:.2}", 100.0 * load.busy)) }
+                    td { (format!("{:.2}", 100.0 * load.periodic.idle)) }
+                    td { (format!("{:.1}", 1e6 * load.periodic.per_run_s)) }
+                    td { (format!("{:.1}", load.equal_time_hz)) }
+                    td {
+                        (format!("{:.1}", load.flown_hz))
+                        @if load.is_clamped() { " (limit)" }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn names_head() -> Markup {
+    html! { th class="name" { "environment" } th class="name" { "airframe" } th class="name" { "logic" } }
+}
+
+fn names(environment: &str, airframe: &str, logic: &str) -> Markup {
+    html! { td class="name" { (environment) } td class="name" { (airframe) } td class="name" { (logic) } }
+}
+
+fn signed(interval: &Interval) -> String {
+    match interval.half_width {
+        Some(half) => format!("{:+.1} ± {half:.1}", interval.mean),
+        None => format!("{:+.1}", interval.mean),
+    }
+}
+
+fn plain(interval: Option<&Interval>, unit: f64, digits: usize) -> String {
+    let Some(interval) = interval else {
+        return "–".to_owned();
+    };
+    let mean = interval.mean / unit;
+    match interval.half_width {
+        Some(half) => format!("{mean:.digits$} ± {:.digits$}", half / unit),
+        None => format!("{mean:.digits$}"),
+    }
+}

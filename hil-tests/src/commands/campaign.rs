@@ -1,0 +1,127 @@
+//! `cargo hil campaign`: the paper's experiments over seeds, and a report of them.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use chrono::DateTime;
+use clap::Args;
+
+use super::bar::Bar;
+use super::quantities::number;
+use crate::campaign::{self, CampaignOptions, Compared, Findings, Metric, Plan, Programs, Shard};
+use crate::toolchain;
+
+/// Where campaigns are kept when no folder is named, from the workspace's folder.
+const FOLDER: &str = "target/hil/campaign";
+
+/// What a campaign is told.
+#[derive(Clone, Debug, Args)]
+pub(super) struct CampaignArguments {
+    /// The plan: `paper` for 260 hours, `smoke` for a minute
+    #[arg(value_name = "NAME")]
+    name: String,
+    /// Fly the I-th of N equal parts, for a cluster; parts may share a folder
+    #[arg(
+        long,
+        value_name = "I/N",
+        allow_hyphen_values = true,
+        conflicts_with = "report_only"
+    )]
+    shard: Option<Shard>,
+    /// Seeds of every comparison, 1 to 10000 [default: the plan's]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
+    seeds: Option<u32>,
+    /// As many seeds as make so many simulated hours, at least
+    #[arg(long, value_name = "HOURS", value_parser = number, allow_negative_numbers = true, conflicts_with = "seeds")]
+    hours: Option<f64>,
+    /// Folder of journals, tables and report [default: target/hil/campaign/NAME]
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// Print what was found as one JSON object instead of a summary
+    #[arg(long)]
+    json: bool,
+    /// Fly nothing, write tables and report of the flights that there are
+    #[arg(long)]
+    report_only: bool,
+}
+
+/// Flies what is left to fly, writes tables and report, and prints what was found.
+pub(super) fn run(arguments: &CampaignArguments) -> Result<()> {
+    let plan = match arguments.hours {
+        Some(hours) => Plan::for_hours(&arguments.name, hours)?,
+        None => Plan::named(&arguments.name, arguments.seeds)?,
+    };
+    let folder = || toolchain::root().join(FOLDER).join(&plan.name);
+    let options = CampaignOptions {
+        shard: arguments.shard,
+        folder: arguments.out.clone().unwrap_or_else(folder),
+        report_only: arguments.report_only,
+        plan,
+    };
+    let mut bar = Bar::new();
+    let findings = campaign::campaign(&options, &mut Programs::default(), &today(), &mut bar);
+    bar.finish();
+    let findings = findings?;
+    let text = if arguments.json {
+        findings.to_json()?
+    } else {
+        summary(&findings, &options)
+    };
+    super::print(&text)
+}
+
+/// The other end of a campaign: flies what stdin says, and tells of it on stdout.
+pub(super) fn work() -> Result<()> {
+    campaign::serve(std::io::stdin().lock(), &mut std::io::stdout().lock())
+}
+
+#[expect(
+    clippy::disallowed_methods,
+    reason = "the date stands in one line of the report, and decides nothing"
+)]
+fn today() -> String {
+    let date = DateTime::from(std::time::SystemTime::now()) as DateTime<chrono::Utc>;
+    date.format("%Y-%m-%d").to_string()
+}
+
+fn summary(findings: &Findings, options: &CampaignOptions) -> String {
+    let (hours, flights) = (findings.hours, findings.flights);
+    let mut lines = vec![
+        format!(
+            "{:.1} h natively in {} flights",
+            hours.native, flights.native
+        ),
+        format!(
+            "{:.2} h on the emulated board in {} flights, {} runs equal to the host's bit by bit",
+            hours.emulated, flights.emulated, findings.equal_runs
+        ),
+        format!(
+            "{} of {} flights missing, {} without a rate to be equal to, {} crashed",
+            findings.missing,
+            findings.planned,
+            findings.undecided,
+            findings.crashes.len()
+        ),
+        "improvement in %, mean of all cells with its 95 % interval; positive is better".to_owned(),
+    ];
+    lines.extend(findings.comparisons.iter().map(comparison));
+    for name in ["flights.parquet", "report.html"] {
+        lines.push(options.folder.join(name).display().to_string());
+    }
+    lines.join("\n") + "\n"
+}
+
+fn comparison(compared: &Compared) -> String {
+    let metrics = [Metric::Attitude, Metric::Pitch, Metric::FlightTime].map(|metric| {
+        let name = metric.name();
+        match compared.improvement_percent.get(&metric) {
+            None => format!("{name} -"),
+            Some(interval) => {
+                let half = interval.half_width;
+                let half = half.map_or(String::new(), |half| format!(" ± {half:.1}"));
+                format!("{name} {:+.1}{half}", interval.mean)
+            }
+        }
+    });
+    format!("{:<48} {}", compared.comparison.name, metrics.join(", "))
+}
