@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
@@ -15,12 +14,13 @@ use serde::{Deserialize, Serialize};
 
 use super::journal::{self, Landed, Stamp, Ways};
 use super::sortie::{Job, Tier};
+use crate::airframes::{self, Variant};
 use crate::closed_loop::{self, Flyer, Scene};
+use crate::costs;
 use crate::firmware::Firmware;
 use crate::flights::{Flight, Rotate, sample_flight};
 use crate::logics::LogicName;
 use crate::progress::{Progress, Silent};
-use crate::{airframes, costs};
 
 /// The hidden command that a program flies jobs by.
 pub const WORKER: &str = "campaign-worker";
@@ -96,7 +96,7 @@ pub struct Here;
 
 /// Flies in a program for each airframe, built where it is not yet.
 #[derive(Debug, Default)]
-pub struct Programs(BTreeMap<String, PathBuf>);
+pub struct Programs(BTreeMap<String, Command>);
 
 impl Crew for Here {
     fn fly(&mut self, orders: &Orders, progress: &mut dyn Progress, take: Take<'_>) -> Result<()> {
@@ -208,21 +208,18 @@ impl Progress for Said {
 
 impl Programs {
     fn program(&mut self, airframe: &str, progress: &mut dyn Progress) -> Result<Command> {
-        let mut command = airframes::program(airframe, progress)?;
-        if let Some(path) = self.0.get(airframe) {
-            let mut known = Command::new(path);
-            known.envs(
-                command
-                    .get_envs()
-                    .filter_map(|(name, value)| Some((name, value?))),
-            );
-            command = known;
-        } else {
-            let path = PathBuf::from(command.get_program());
-            self.0.insert(airframe.to_owned(), path);
+        if !self.0.contains_key(airframe) {
+            let command = airframes::program(&Variant::of(airframe), progress)?;
+            self.0.insert(airframe.to_owned(), command);
         }
-        command.arg(WORKER);
+        let known = self.0.get(airframe).context("it was built")?;
+        let mut command = Command::new(known.get_program());
+        let set = known
+            .get_envs()
+            .filter_map(|(name, value)| Some((name, value?)));
         command
+            .envs(set)
+            .arg(WORKER)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());

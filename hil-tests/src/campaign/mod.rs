@@ -28,6 +28,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use reflex::config::AIRFRAME;
 
 use crate::progress::Progress;
 use crate::refusal::Refusal;
@@ -134,7 +135,10 @@ impl Flying<'_> {
             let line = journal::ways_line(&self.stamp, crew.ways(progress)?)?;
             self.journal.write(&line)?;
         }
-        for airframe in &self.plan.airframes {
+        let mut airframes: Vec<&String> = self.plan.airframes.iter().collect();
+        // This very program first: building another one takes its place on disk.
+        airframes.sort_by_key(|name| *name != AIRFRAME);
+        for airframe in airframes {
             let own: BTreeSet<&Sortie> = part
                 .iter()
                 .filter(|sortie| sortie.airframe == *airframe)

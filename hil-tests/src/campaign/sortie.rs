@@ -10,7 +10,7 @@ use reflex::settings::{Policy, Settings};
 use reflex::time::micros;
 use serde::{Deserialize, Serialize};
 
-use crate::closed_loop::{FlyOptions, Mission};
+use crate::closed_loop::{FlyOptions, Mission, Stress};
 use crate::logics::LogicName;
 
 /// The scored part begins here, s from take-off, whoever flies: up, and done with learning.
@@ -136,6 +136,7 @@ impl Job {
             mission: Mission::Waypoints,
             duration_s: f64::from(sortie.duration_s),
             scored_from_s: Some(f64::from(SCORED_FROM_S)),
+            stress: Stress::default(),
         })
     }
 

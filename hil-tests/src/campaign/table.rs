@@ -128,6 +128,8 @@ fn report_columns(flights: &[&Landed]) -> Vec<(String, Column)> {
             "yaw_error_deg",
             number(|report| report.attitude_error_deg.yaw),
         ),
+        ("turning_rad_s", number(|report| report.turning_rad_s)),
+        ("bandwidth", number(|report| Some(report.bandwidth))),
         ("position_error_m", number(|report| report.position_error_m)),
         ("asked_rate_hz", number(|report| report.rate_hz)),
         ("rate_hz", number(|report| report.control.rate_hz)),

@@ -35,6 +35,7 @@ fn landed(role: Role, seed: u32, pitch: f64) -> Landed {
     let report = FlightReport {
         environment: sortie.environment.clone(),
         airframe: sortie.airframe.clone(),
+        bandwidth: 1.0,
         logic: sortie.logic.clone(),
         mission: "waypoints".into(),
         tier: "native".into(),
@@ -52,6 +53,7 @@ fn landed(role: Role, seed: u32, pitch: f64) -> Landed {
             yaw: Some(1.0),
         },
         position_error_m: Some(0.2),
+        turning_rad_s: Some(0.1),
         control: Control {
             rate_hz: Some(150.0),
             runs: 2250,
