@@ -9,16 +9,26 @@ use crate::campaign::findings::{Findings, Means, Swept};
 use crate::campaign::interval::Interval;
 use crate::campaign::journal::Records;
 use crate::campaign::plan::{Plan, USUAL_HZ};
-use crate::campaign::sortie::{Role, Sortie};
+use crate::campaign::sortie::{Role, Sortie, Tunable};
 use crate::plot::{Axis, Curve, Figure, Look, Marker, Panel, Point, Scale};
 
 /// Panels beside each other.
 const COLUMNS: usize = 3;
 /// Whom reactive control is compared with, by a few words.
-const AGAINST: [(Role, &str); 3] = [
-    (Role::Periodic(USUAL_HZ), "400 Hz"),
-    (Role::EqualRuns, "equal runs"),
-    (Role::EqualTime, "equal time"),
+const AGAINST: [(Role, Role, &str); 5] = [
+    (Role::Reactive, Role::Periodic(USUAL_HZ), "400 Hz"),
+    (Role::Reactive, Role::EqualRuns, "equal runs"),
+    (Role::Reactive, Role::EqualTime, "equal time"),
+    (
+        Role::Tuned(Tunable::Reactive),
+        Role::Tuned(Tunable::EqualRuns),
+        "equal runs and margins",
+    ),
+    (
+        Role::Tuned(Tunable::Reactive),
+        Role::Tuned(Tunable::Usual),
+        "400 Hz, equal margins",
+    ),
 ];
 
 /// All of them, in the paper's order.
@@ -34,6 +44,7 @@ pub fn all(plan: &Plan, records: &Records, findings: &Findings) -> Result<Vec<Sh
         flight_time(plan, findings)?,
         ways(plan, findings)?,
         sweeps(plan, findings)?,
+        rates(plan, findings)?,
     ])
 }
 
@@ -100,9 +111,10 @@ fn against_each(
 ) -> Vec<Panel> {
     let mut panels = Vec::new();
     for metric in metrics {
-        for (role, words) in AGAINST {
+        for (of, role, words) in AGAINST {
             let range = range.filter(|_| role == Role::Periodic(USUAL_HZ));
-            let compared = findings.against(role).filter(|it| !it.cells.is_empty());
+            let compared = findings.between(of, role);
+            let compared = compared.filter(|it| !it.cells.is_empty());
             panels.extend(compared.map_or(Vec::new(), |compared| {
                 improvements(plan, compared, (*metric, words), range)
             }));
@@ -359,4 +371,29 @@ fn sweep(
         y: Axis::new("improvement in pitch error, %", Scale::Linear),
         curves: curves.collect(),
     }
+}
+
+/// Why the rate alone decides little: not of the paper.
+fn rates(plan: &Plan, findings: &Findings) -> Result<Shown> {
+    let panels = plan.logics.iter().map(|logic| {
+        let of_logic = findings.rates.iter().filter(|it| it.cell.logic == *logic);
+        let own: Vec<&Swept> = of_logic.collect();
+        let axis = ("runs per second", Scale::Logarithmic);
+        let environments = (&*plan.environments, &OTHERS[..]);
+        sweep(logic, axis, environments, &|name| {
+            curve(&own, &|it| it.cell.environment == name)
+        })
+    });
+    let title = "Time-triggered control at other rates, against its own 400 Hz";
+    let airframe = plan.airframes.first().map_or("", String::as_str);
+    Ok(Shown {
+        number: "",
+        title,
+        svg: svg(title, panels.collect())?,
+        ours: format!(
+            "{airframe}, with the gains as they are configured. Where the curve is flat, when control \
+             runs cannot matter either: the loops are slower than the rate. {BARS}"
+        ),
+        paper: "it has no such figure.",
+    })
 }
