@@ -13,6 +13,7 @@ use super::load::{self, Load};
 use super::plan::{Plan, USUAL_HZ};
 use super::sortie::{Role, Sortie, Tier, Tunable};
 use super::tuning::{self, Tuning};
+use crate::closed_loop::report::FlightReport;
 
 /// Everything, of whatever has been flown so far.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -95,6 +96,8 @@ pub struct Means {
     pub rate_hz: Option<Interval>,
     /// Runs of a hundred whose command does not differ by a quantum from the one before.
     pub unchanged_percent: Option<Interval>,
+    /// Runs of a hundred that were time-triggered, to learn or because learning failed.
+    pub learning_percent: Option<Interval>,
     /// Each metric in its unit: degrees, m, s.
     pub metrics: BTreeMap<Metric, Interval>,
 }
@@ -292,6 +295,14 @@ fn mean(cell: [&str; 3], role: Role, flights: &[Pair<'_>]) -> Means {
             let share = report.control.unchanged_share.filter(|_| !report.crashed);
             share.map(|share| 100.0 * share)
         }),
+        learning_percent: of(&|landed| Some(100.0 * learning_share(&landed.report)?)),
         metrics: metrics.collect(),
     }
+}
+
+/// Share of the scored runs in which reactive control was time-triggered.
+pub fn learning_share(report: &FlightReport) -> Option<f64> {
+    let control = &report.control;
+    let by_clock = control.by_reason.warm_up + control.by_reason.fallback;
+    (control.runs > 0 && !report.crashed).then(|| by_clock as f64 / control.runs as f64)
 }

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use serde::{Deserialize, Serialize};
 
-use super::plan::Shard;
+use super::shard::Shard;
 use super::sortie::{Job, Sortie};
 use crate::closed_loop::report::FlightReport;
 use crate::refusal::Refusal;

@@ -6,6 +6,7 @@
 
 use serde::Serialize;
 
+use super::findings::learning_share;
 use super::journal::Records;
 use super::plan::{LOAD_RATES_HZ, Plan};
 use super::sortie::{PERIODS_US, Role, Sortie, Tier};
@@ -34,6 +35,8 @@ pub struct Load {
     pub busy: f64,
     /// Runs per second in that flight.
     pub rate_hz: f64,
+    /// Share of these runs that were time-triggered, to learn or because learning failed.
+    pub learning: f64,
     /// Time-triggered control's line.
     pub periodic: Line,
     /// The rate of time-triggered control that is as busy, Hz; may be out of its range.
@@ -94,7 +97,9 @@ pub fn measured(plan: &Plan, records: &Records, sortie: &Sortie, role: Role) -> 
     let [slow, fast] = LOAD_RATES_HZ.map(|hz| point(Role::Periodic(hz)));
     let periodic = Line::through([slow?, fast?])?;
     let reactive = needs.iter().find(|need| need.role == Role::Reactive)?;
-    let (rate_hz, busy) = seen(records, &reactive.with(role))?;
+    let reactive = reactive.with(role);
+    let (rate_hz, busy) = seen(records, &reactive)?;
+    let report = &records.flights.get(&reactive)?.report;
     let equal_time_hz = periodic.rate_hz(busy);
     let [environment, airframe, logic] = sortie.cell().map(str::to_owned);
     Some(Load {
@@ -104,6 +109,7 @@ pub fn measured(plan: &Plan, records: &Records, sortie: &Sortie, role: Role) -> 
         role: role.to_string(),
         busy,
         rate_hz,
+        learning: learning_share(report).unwrap_or_default(),
         periodic,
         equal_time_hz,
         flown_hz: 1e6 / period_us(equal_time_hz) as f64,

@@ -17,9 +17,12 @@ mod journal;
 mod load;
 mod plan;
 mod report;
+mod shard;
 mod sortie;
 mod sources;
 mod table;
+#[cfg(test)]
+mod testing;
 #[cfg(test)]
 mod tests;
 mod tuning;
@@ -38,7 +41,8 @@ pub use comparison::{Cell, Compared, Comparison, Metric};
 pub use crew::{Crew, Here, Programs, WORKER, serve};
 pub use findings::Findings;
 pub use interval::Interval;
-pub use plan::{Plan, Shard};
+pub use plan::Plan;
+pub use shard::Shard;
 
 use crew::Orders;
 use journal::{Journal, Records, Stamp};

@@ -8,94 +8,13 @@ use parquet::record::Field;
 use proptest::prelude::*;
 use tempfile::TempDir;
 
-use super::journal::{Landed, Records, flight_line, ways_line};
+use super::journal::{Records, flight_line, ways_line};
+use super::testing::{crashed, landed, line, stamp};
 use super::*;
-use crate::closed_loop::report::{AxisErrors, Control, CrashReport, FlightReport};
 use crate::progress::Silent;
 
-/// A fingerprint of no sources.
-const SOURCES: &str = "0123456789ab";
+/// The day of every report here.
 const DATE: &str = "2016-06-26";
-
-fn stamp() -> Stamp {
-    Stamp::new("smoke", SOURCES.into())
-}
-
-/// A flight that nobody flew.
-fn landed(role: Role, seed: u32, pitch: f64) -> Landed {
-    let sortie = Sortie {
-        tier: Tier::Native,
-        airframe: reflex::config::AIRFRAME.into(),
-        logic: "arducopter".into(),
-        environment: "lab".into(),
-        duration_s: 30,
-        role,
-        seed,
-    };
-    let report = FlightReport {
-        environment: sortie.environment.clone(),
-        airframe: sortie.airframe.clone(),
-        bandwidth: 1.0,
-        logic: sortie.logic.clone(),
-        mission: "waypoints".into(),
-        tier: "native".into(),
-        policy: "reactive".into(),
-        rate_hz: None,
-        clock_mhz: 168,
-        seed,
-        duration_s: 30.0,
-        scored_from_s: Some(15.0),
-        crashed: false,
-        crash: None,
-        attitude_error_deg: AxisErrors {
-            roll: Some(1.0),
-            pitch: Some(pitch),
-            yaw: Some(1.0),
-        },
-        position_error_m: Some(0.2),
-        turning_rad_s: Some(0.1),
-        control: Control {
-            rate_hz: Some(150.0),
-            runs: 2250,
-            per_second: vec![150; 30],
-            ..Control::default()
-        },
-        cpu: None,
-        energy_j: 4000.0,
-        energy_per_minute_j: Some(8000.0),
-        flight_time_s: Some(1300.0),
-        wind_m_s: Some(0.3),
-        digest: "00".into(),
-    };
-    let job = Job {
-        sortie,
-        period_us: None,
-        bandwidth: sortie::AS_CONFIGURED,
-    };
-    Landed { job, report }
-}
-
-/// The same, but down on the ground.
-fn crashed(role: Role, seed: u32) -> Landed {
-    let mut landed = landed(role, seed, 1.0);
-    let report = &mut landed.report;
-    report.crashed = true;
-    report.crash = Some(CrashReport {
-        at_s: 3.0,
-        what: "hit <the> ground & all".into(),
-        position_m: [1.0, 2.0, 0.0],
-        velocity_m_s: [0.0, 3.0, 4.0],
-        attitude_deg: [10.0, -20.0, 30.0],
-    });
-    report.attitude_error_deg = AxisErrors::default();
-    report.flight_time_s = None;
-    report.control.rate_hz = None;
-    landed
-}
-
-fn line(landed: Landed) -> String {
-    flight_line(&stamp(), landed).unwrap()
-}
 
 /// A folder whose journal is this text.
 fn folder(text: &str) -> TempDir {
@@ -345,7 +264,10 @@ fn improvements_are_those_of_pairs_and_crashes_are_counted_and_in_no_mean() {
     let plan = Plan::named("smoke", Some(3)).unwrap().native();
     let records = Records::read(out.path(), None).unwrap();
     let findings = Findings::of(&plan, &records);
-    let cell = &findings.between(Role::Reactive, Role::Periodic(400)).unwrap().cells[0];
+    let cell = &findings
+        .between(Role::Reactive, Role::Periodic(400))
+        .unwrap()
+        .cells[0];
     assert_eq!((cell.pairs, cell.crashes), (3, [1, 0]));
     let pitch = cell.improvement_percent[&Metric::Pitch];
     assert!((pitch.mean - 20.0).abs() < 1e-9 && pitch.count == 2);

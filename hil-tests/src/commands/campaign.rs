@@ -9,6 +9,7 @@ use clap::Args;
 use super::bar::Bar;
 use super::quantities::number;
 use crate::campaign::{self, CampaignOptions, Compared, Findings, Metric, Plan, Programs, Shard};
+use crate::refusal::Refusal;
 use crate::toolchain;
 
 /// Where campaigns are kept when no folder is named, from the workspace's folder.
@@ -17,7 +18,7 @@ const FOLDER: &str = "target/hil/campaign";
 /// What a campaign is told.
 #[derive(Clone, Debug, Args)]
 pub(super) struct CampaignArguments {
-    /// The plan: `paper` for 260 hours, `smoke` for a minute
+    /// The plan: `paper` for 260 hours, `smoke` for two minutes' work
     #[arg(value_name = "NAME")]
     name: String,
     /// Fly the I-th of N equal parts, for a cluster; parts may share a folder
@@ -51,6 +52,13 @@ pub(super) fn run(arguments: &CampaignArguments) -> Result<()> {
         Some(hours) => Plan::for_hours(&arguments.name, hours)?,
         None => Plan::named(&arguments.name, arguments.seeds)?,
     };
+    if arguments
+        .out
+        .as_ref()
+        .is_some_and(|out| out.as_os_str().is_empty())
+    {
+        return Err(Refusal::new("--out: must be the name of a folder").into());
+    }
     let folder = || toolchain::root().join(FOLDER).join(&plan.name);
     let options = CampaignOptions {
         shard: arguments.shard,

@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::paper;
+use super::tables::{digits, percent};
 use crate::campaign::comparison::{Cell, Compared, Metric};
 use crate::campaign::findings::Findings;
 use crate::campaign::interval::Interval;
@@ -59,6 +60,7 @@ pub fn section(findings: &Findings) -> Markup {
             ". Percentages are means over all environments, airframes and control logics, with their "
             "95 % confidence interval over seeds. Positive is better: less error, or more flight time."
         }
+        (effort(findings))
         ul {
             @for (of, against, words) in AGAINST {
                 @if let Some(compared) = findings.between(of, against) {
@@ -87,9 +89,11 @@ fn answer(compared: &Compared, words: &str) -> Markup {
             @if compared.improvement_percent.is_empty() {
                 "not flown."
             } @else {
-                @for metric in [Metric::Attitude, Metric::Pitch, Metric::FlightTime] {
-                    @if let Some(interval) = compared.improvement_percent.get(&metric) {
-                        (sentence(metric, interval)) " " (range(metric, &compared.cells)) " "
+                ul {
+                    @for metric in [Metric::Attitude, Metric::Pitch, Metric::FlightTime] {
+                        @if let Some(interval) = compared.improvement_percent.get(&metric) {
+                            li { (sentence(metric, interval)) (range(metric, &compared.cells)) }
+                        }
                     }
                 }
             }
@@ -99,22 +103,19 @@ fn answer(compared: &Compared, words: &str) -> Markup {
 
 /// One metric in words.
 fn sentence(metric: Metric, interval: &Interval) -> String {
-    let more = (interval.mean > 0.0) == (metric == Metric::FlightTime);
+    let (name, digits) = (metric.name(), digits(metric));
+    let change = match (interval.mean > 0.0) == (metric == Metric::FlightTime) {
+        true => "more",
+        false => "less",
+    };
     let by = interval.mean.abs();
-    let change = if more { "more" } else { "less" };
-    let name = metric.name();
+    let [low, high] = interval.ends().map(|end| percent(end, digits));
     match interval.half_width {
-        None => format!("{by:.1} % {change} {name} (of too few seeds for an interval)"),
+        None => format!("{name}: {by:.digits$} % {change}, of too few seeds for an interval"),
         Some(half) if half >= by => {
-            let [low, high] = interval.ends();
-            format!(
-                "no difference in {name} that could be told from chance ({low:+.1} to {high:+.1} %)"
-            )
+            format!("{name}: no difference that could be told from chance, {low} to {high} %")
         }
-        Some(_) => {
-            let [low, high] = interval.ends();
-            format!("{by:.1} % {change} {name} (improvement {low:+.1} to {high:+.1} %)")
-        }
+        Some(_) => format!("{name}: {by:.digits$} % {change}, an improvement of {low} to {high} %"),
     }
 }
 
@@ -132,9 +133,33 @@ fn range(metric: Metric, cells: &[Cell]) -> String {
     match low.zip(high) {
         Some(((low, worst), (high, best))) if cells.len() > 1 => {
             let (worst, best) = (place(worst), place(best));
-            format!("– by cell {low:+.1} % ({worst}) to {high:+.1} % ({best}).")
+            let [low, high] = [low, high].map(|end| percent(end, digits(metric)));
+            format!("; by cell {low} % ({worst}) to {high} % ({best})")
         }
-        _ => ".".to_owned(),
+        _ => String::new(),
+    }
+}
+
+/// How often reactive control ran, and what that took of the processor.
+fn effort(findings: &Findings) -> Markup {
+    let reactive = Role::Reactive.to_string();
+    let mean = |values: Vec<f64>| Interval::of(&values).map(|interval| interval.mean);
+    let means = findings.means.iter().filter(|one| one.role == reactive);
+    let rate = mean(means.filter_map(|one| Some(one.rate_hz?.mean)).collect());
+    let loads = || findings.loads.iter().filter(|load| load.role == reactive);
+    let busy = mean(loads().map(|load| 100.0 * load.busy).collect());
+    let equal = mean(loads().map(|load| load.equal_time_hz).collect());
+    html! {
+        @if let Some(rate) = rate {
+            p {
+                "Reactive control ran " (format!("{rate:.0}")) " times a second on average"
+                @if let Some((busy, equal)) = busy.zip(equal) {
+                    " and, with its decisions, kept the processor busy for " (format!("{busy:.1}"))
+                    " % of the time: as long as periodic control at " (format!("{equal:.0}")) " Hz does"
+                }
+                "."
+            }
+        }
     }
 }
 
@@ -180,31 +205,31 @@ mod tests {
                 Metric::Pitch,
                 3.0,
                 Some(1.0),
-                "3.0 % less pitch error (improvement +2.0 to +4.0 %)",
+                "pitch error: 3.0 % less, an improvement of +2.0 to +4.0 %",
             ),
             (
                 Metric::Pitch,
                 -3.0,
                 Some(1.0),
-                "3.0 % more pitch error (improvement -4.0 to -2.0 %)",
+                "pitch error: 3.0 % more, an improvement of -4.0 to -2.0 %",
             ),
             (
                 Metric::FlightTime,
                 3.0,
                 Some(1.0),
-                "3.0 % more flight time (improvement +2.0 to +4.0 %)",
+                "flight time: 3.00 % more, an improvement of +2.00 to +4.00 %",
             ),
             (
                 Metric::FlightTime,
                 -0.5,
                 Some(1.0),
-                "no difference in flight time that could be told from chance (-1.5 to +0.5 %)",
+                "flight time: no difference that could be told from chance, -1.50 to +0.50 %",
             ),
             (
                 Metric::Roll,
                 2.0,
                 None,
-                "2.0 % less roll error (of too few seeds for an interval)",
+                "roll error: 2.0 % less, of too few seeds for an interval",
             ),
         ] {
             assert_eq!(sentence(metric, &interval(mean, half)), expected);

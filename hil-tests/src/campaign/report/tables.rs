@@ -26,6 +26,11 @@ pub fn section(plan: &Plan, findings: &Findings) -> Markup {
             }
         }
         h3 { "What each cell comes to" }
+        p {
+            "Learning: runs in the scored part that were time-triggered, because reactive control had not yet "
+            "learned or no longer trusted what it had. Unchanged: no motor's command differs by a quantum from "
+            "that of the run before."
+        }
         (means(&findings.means))
         (loads(plan, findings))
         @if !findings.tunings.is_empty() { (tunings(plan, findings)) }
@@ -85,7 +90,7 @@ fn improvement(cell: &Cell, metric: Metric) -> Markup {
         (Some(_), _, true) => "worse",
         _ => "",
     };
-    html! { td class=(class) { (signed(interval)) } }
+    html! { td class=(class) { (signed(interval, digits(metric))) } }
 }
 
 fn means(means: &[Means]) -> Markup {
@@ -94,7 +99,7 @@ fn means(means: &[Means]) -> Markup {
             tr {
                 (names_head())
                 th class="name" { "control" }
-                th { "runs/s" } th { "unchanged, %" }
+                th { "runs/s" } th { "learning, %" } th { "unchanged, %" }
                 th { "roll error, °" } th { "pitch error, °" } th { "yaw error, °" }
                 th { "position error, m" } th { "flight time, min" } th { "flights" } th { "crashes" }
             }
@@ -103,6 +108,7 @@ fn means(means: &[Means]) -> Markup {
                     (names(&one.environment, &one.airframe, &one.logic))
                     td class="name" { (one.role) }
                     td { (plain(one.rate_hz.as_ref(), 1.0, 1)) }
+                    td { (plain(one.learning_percent.as_ref(), 1.0, 1)) }
                     td { (plain(one.unchanged_percent.as_ref(), 1.0, 1)) }
                     @for (metric, digits) in [(Metric::Roll, 3), (Metric::Pitch, 3), (Metric::Yaw, 3), (Metric::Position, 3)] {
                         td { (plain(one.metrics.get(&metric), 1.0, digits)) }
@@ -129,7 +135,7 @@ fn loads(plan: &Plan, findings: &Findings) -> Markup {
             tr {
                 (names_head())
                 th class="name" { "control" }
-                th { "runs/s" } th { "busy, %" } th { "a, %" } th { "c, us a run" }
+                th { "runs/s" } th { "learning, %" } th { "busy, %" } th { "a, %" } th { "c, us a run" }
                 th { "equal time, Hz" } th { "flown, Hz" }
             }
             @for load in loads {
@@ -137,6 +143,7 @@ fn loads(plan: &Plan, findings: &Findings) -> Markup {
                     (names(&load.environment, &load.airframe, &load.logic))
                     td class="name" { (load.role) }
                     td { (format!("{:.1}", load.rate_hz)) }
+                    td { (format!("{:.1}", 100.0 * load.learning)) }
                     td { (format!("{:.2}", 100.0 * load.busy)) }
                     td { (format!("{:.2}", 100.0 * load.periodic.idle)) }
                     td { (format!("{:.1}", 1e6 * load.periodic.per_run_s)) }
@@ -159,11 +166,33 @@ fn names(environment: &str, airframe: &str, logic: &str) -> Markup {
     html! { td class="name" { (environment) } td class="name" { (airframe) } td class="name" { (logic) } }
 }
 
-fn signed(interval: &Interval) -> String {
-    match interval.half_width {
-        Some(half) => format!("{:+.1} ± {half:.1}", interval.mean),
-        None => format!("{:+.1}", interval.mean),
+/// Flight time differs by less than errors do.
+pub fn digits(metric: Metric) -> usize {
+    match metric {
+        Metric::FlightTime => 2,
+        _ => 1,
     }
+}
+
+fn signed(interval: &Interval, digits: usize) -> String {
+    let mean = percent(interval.mean, digits);
+    match interval.half_width {
+        Some(half) => format!("{mean} ± {half:.digits$}"),
+        None => mean,
+    }
+}
+
+/// A number with its sign; what rounds to zero has none.
+pub fn percent(value: f64, digits: usize) -> String {
+    let text = format!("{value:+.digits$}");
+    if text
+        .trim_start_matches(['+', '-'])
+        .chars()
+        .all(|c| matches!(c, '0' | '.'))
+    {
+        return text[1..].to_owned();
+    }
+    text
 }
 
 fn plain(interval: Option<&Interval>, unit: f64, digits: usize) -> String {
@@ -174,5 +203,23 @@ fn plain(interval: Option<&Interval>, unit: f64, digits: usize) -> String {
     match interval.half_width {
         Some(half) => format!("{mean:.digits$} ± {:.digits$}", half / unit),
         None => format!("{mean:.digits$}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::percent;
+
+    #[test]
+    fn what_rounds_to_zero_has_no_sign() {
+        for (value, digits, text) in [
+            (1.25, 1, "+1.2"),
+            (-0.04, 1, "0.0"),
+            (0.04, 1, "0.0"),
+            (-0.04, 2, "-0.04"),
+            (0.0, 2, "0.00"),
+        ] {
+            assert_eq!(percent(value, digits), text);
+        }
     }
 }
