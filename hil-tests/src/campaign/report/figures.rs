@@ -3,7 +3,7 @@
 use anyhow::Result;
 
 use super::bars::{self, COLOURS, OTHERS, point};
-use super::{Shown, paper};
+use super::{Shown, paper, why};
 use crate::campaign::comparison::{Compared, Metric};
 use crate::campaign::findings::{Findings, Means, Swept};
 use crate::campaign::interval::Interval;
@@ -44,11 +44,11 @@ pub fn all(plan: &Plan, records: &Records, findings: &Findings) -> Result<Vec<Sh
         flight_time(plan, findings)?,
         ways(plan, findings)?,
         sweeps(plan, findings)?,
-        rates(plan, findings)?,
+        why::rates(plan, findings)?,
     ])
 }
 
-fn svg(title: &str, panels: Vec<Panel>) -> Result<String> {
+pub(super) fn svg(title: &str, panels: Vec<Panel>) -> Result<String> {
     let figure = Figure {
         title: title.to_owned(),
         panels,
@@ -126,7 +126,7 @@ fn against_each(
     panels
 }
 
-const BARS: &str = "Positive is better. Shown are means over pairs of one seed, with 95 % intervals; cells \
+pub(super) const BARS: &str = "Positive is better. Shown are means over pairs of one seed, with 95 % intervals; cells \
                     in which every pair had a crash are empty.";
 
 fn pitch(plan: &Plan, findings: &Findings) -> Result<Shown> {
@@ -341,7 +341,7 @@ fn sweeps(plan: &Plan, findings: &Findings) -> Result<Shown> {
 }
 
 /// The values of one curve, with intervals.
-fn curve(swept: &[&Swept], is: &dyn Fn(&Swept) -> bool) -> Vec<Point> {
+pub(super) fn curve(swept: &[&Swept], is: &dyn Fn(&Swept) -> bool) -> Vec<Point> {
     let own = swept.iter().filter(|it| is(it));
     let points = own.filter_map(|it| {
         Some(point(
@@ -352,7 +352,7 @@ fn curve(swept: &[&Swept], is: &dyn Fn(&Swept) -> bool) -> Vec<Point> {
     points.collect()
 }
 
-fn sweep(
+pub(super) fn sweep(
     title: &str,
     (x, scale): (&str, Scale),
     (names, colours): (&[String], &[(u8, u8, u8)]),
@@ -374,29 +374,4 @@ fn sweep(
         y: Axis::new("improvement in pitch error, %", Scale::Linear),
         curves: curves.collect(),
     }
-}
-
-/// Why the rate alone decides little: not of the paper.
-fn rates(plan: &Plan, findings: &Findings) -> Result<Shown> {
-    let panels = plan.logics.iter().map(|logic| {
-        let of_logic = findings.rates.iter().filter(|it| it.cell.logic == *logic);
-        let own: Vec<&Swept> = of_logic.collect();
-        let axis = ("runs per second", Scale::Logarithmic);
-        let environments = (&*plan.environments, &OTHERS[..]);
-        sweep(logic, axis, environments, &|name| {
-            curve(&own, &|it| it.cell.environment == name)
-        })
-    });
-    let title = "Time-triggered control at other rates, against its own 400 Hz";
-    let airframe = plan.airframes.first().map_or("", String::as_str);
-    Ok(Shown {
-        number: "",
-        title,
-        svg: svg(title, panels.collect())?,
-        ours: format!(
-            "{airframe}, with the gains as they are configured. Where the curve is flat, when control \
-             runs cannot matter either: the loops are slower than the rate. {BARS}"
-        ),
-        paper: "it has no such figure.",
-    })
 }

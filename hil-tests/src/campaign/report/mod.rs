@@ -9,6 +9,7 @@ mod headline;
 mod made;
 mod paper;
 mod tables;
+mod why;
 
 use anyhow::Result;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
