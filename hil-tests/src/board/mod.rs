@@ -121,6 +121,17 @@ impl From<&str> for Watched {
     }
 }
 
+/// Memory that is written anew each time the core asks for more.
+#[derive(Clone, Debug)]
+pub struct Feed {
+    /// Arriving there, before the instruction, is asking.
+    pub asks: Watched,
+    /// Where each block is written.
+    pub address: u32,
+    /// The blocks in order; after the last one the memory stays as it is.
+    pub blocks: Vec<Vec<u8>>,
+}
+
 /// How a board is started and watched.
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -128,6 +139,8 @@ pub struct Options {
     pub settings: Option<Vec<u8>>,
     /// Places, arrivals at which are reported as [`Observer::hit`].
     pub watches: Vec<Watched>,
+    /// Memory that is filled while the program runs.
+    pub feed: Option<Feed>,
     /// The program is an autopilot: it keeps a call log, and falls silent only by a fault.
     pub flies: bool,
     /// Time between two looks at the logs, in ns.
@@ -145,6 +158,7 @@ impl Default for Options {
         Self {
             settings: None,
             watches: Vec::new(),
+            feed: None,
             flies: true,
             poll_ns: 1_000_000,
             boot_limit_ns: 2_000_000_000,
