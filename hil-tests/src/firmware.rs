@@ -80,7 +80,7 @@ impl Firmware {
         Self::linked(toolchain::cargo(), LOGICS, progress)
     }
 
-    /// Builds the program that runs a control logic by the clock and as a graph, for a comparison.
+    /// Builds the program that compares a control logic by the clock with ours.
     ///
     /// # Errors
     /// As those of [`Self::build`].

@@ -29,7 +29,7 @@ mod program {
     use stm32f4xx_hal as _;
 
     const WORDS: usize = 2 + BLOCK_STEPS * STEP_WORDS;
-    /// Which logic, how many steps, then their words: see [`reflex_bench::BLOCK_SYMBOLS`].
+    /// The block that was given last: see [`reflex_bench::BLOCK_SYMBOLS`].
     static GIVEN: [AtomicU32; WORDS] = [const { AtomicU32::new(0) }; WORDS];
 
     /// What is there now: no compiler knows that nobody in the program writes it.

@@ -1,4 +1,4 @@
-//! Time-triggered and reactive control agree bit by bit on the core, and with the host.
+//! Time-triggered and reactive control agree bit by bit on core and host.
 //!
 //! Whole flights take minutes and are compared on request only:
 //! `cargo test -p hil-tests --profile hil --ignore-rust-version --lib over_whole_flights -- --ignored --nocapture`
@@ -16,11 +16,11 @@ use crate::costs::at_rest;
 use crate::firmware::Firmware;
 use crate::progress::Silent;
 
-/// Virtual time between two looks at the program, and the most that a flight may take, ns.
+/// Virtual time between two looks, and the most that a flight may take, ns.
 const LOOK_NS: u64 = 100_000_000;
 const LONGEST_NS: u64 = 600_000_000_000;
 
-/// Runs of each flight that are compared every time: eight seconds of a busy one, and more.
+/// Runs of each flight that are compared every time: over eight seconds.
 const QUICK_RUNS: usize = 8192;
 
 /// What the program logs, and whether it is done.
@@ -88,7 +88,7 @@ impl Core {
     }
 }
 
-/// Which logic, how many steps, then their words, as the program's memory holds them.
+/// Which logic, how many steps, then their words, as the core has them.
 fn image(logic: u32, steps: &[Step]) -> Vec<u8> {
     let words = steps.iter().flat_map(Step::to_words);
     let head = [logic, steps.len() as u32];
@@ -115,7 +115,7 @@ fn digests_of_host(name: LogicName, steps: &[Step]) -> Vec<String> {
     blocks.collect()
 }
 
-/// Compares at most this many runs from the beginning of each flight, with inputs of both kinds.
+/// Compares the first runs of each flight, with inputs of both kinds.
 fn core_and_host_agree(most_runs: usize) {
     let core = Core::build();
     let compared = AtomicUsize::new(0);
@@ -128,7 +128,11 @@ fn core_and_host_agree(most_runs: usize) {
         for (kind, steps) in [("held", held), ("changing", changing)] {
             let expected = digests_of_host(name, &steps);
             let digests = core.digests(name, &steps);
-            assert_eq!(digests, expected, "{} on {flight}, {kind}", name.word());
+            let what = format!("{} on {flight}, {kind}", name.word());
+            assert_eq!(digests.len(), expected.len(), "{what}");
+            for (core, host) in digests.iter().zip(&expected) {
+                assert_eq!(core, host, "{what}: steps, by the clock, ours");
+            }
             compared.fetch_add(steps.len(), Ordering::Relaxed);
         }
     });

@@ -6,7 +6,7 @@ use reflex::math::Vec3;
 use reflex::units::{BodyRates, Position, Velocity};
 use reflex_bench::step::Step;
 
-/// A change that no sum rounds away: of rates (rad/s), accelerations (rad/s2) and headings (rad).
+/// A change that no sum rounds away, in rad, rad/s and rad/s2.
 const NUDGE: f32 = 1.0 / 64.0;
 /// Time between two places, s.
 const PLACE_DT: f32 = 0.02;
