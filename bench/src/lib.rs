@@ -2,8 +2,16 @@
 #![cfg_attr(target_os = "none", no_std)]
 #![forbid(unsafe_code)]
 
+pub mod digest;
 pub mod step;
 pub mod ways;
+
+/// Most steps that the program `flights` takes at once, until it gets none.
+pub const BLOCK_STEPS: usize = 512;
+/// The function of `flights` that asks for a block, and the block's path.
+///
+/// A block is the place of a logic in [`LOGICS`], how many steps there are, then the words of each.
+pub const BLOCK_SYMBOLS: [[&str; 2]; 2] = [["program", "refill"], ["program", "GIVEN"]];
 
 /// Most steps that the program `logics` takes at once.
 pub const STEPS: usize = 256;

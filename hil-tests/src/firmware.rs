@@ -20,6 +20,8 @@ const NAME: &str = "reflex";
 const PARTS: (&str, &str) = ("reflex-bench", "parts");
 /// Package and binary of the program that runs every control logic in every way.
 const LOGICS: (&str, &str) = ("reflex-bench", "logics");
+/// Package and binary of the program that compares two ways over whole flights.
+const FLIGHTS: (&str, &str) = ("reflex-bench", "flights");
 /// Where flash begins and ends on an STM32F427.
 const FLASH: std::ops::Range<u32> = 0x0800_0000..0x0820_0000;
 
@@ -76,6 +78,15 @@ impl Firmware {
     pub fn build_logics(progress: &mut dyn Progress) -> Result<Self> {
         progress.stage("Building the control logics");
         Self::linked(toolchain::cargo(), LOGICS, progress)
+    }
+
+    /// Builds the program that compares a control logic by the clock with ours.
+    ///
+    /// # Errors
+    /// As those of [`Self::build`].
+    pub fn build_flights(progress: &mut dyn Progress) -> Result<Self> {
+        progress.stage("Building the comparison of control logics");
+        Self::linked(toolchain::cargo(), FLIGHTS, progress)
     }
 
     fn linked(

@@ -95,6 +95,20 @@ impl Elf {
         }
     }
 
+    /// Address of the one variable whose path ends so, as in [`Self::function`].
+    pub fn variable(&self, path: &[&str]) -> Result<u32> {
+        let spelled = spelled(path);
+        let symbols = self.symbols.iter();
+        let found: Vec<u32> = symbols
+            .filter(|(name, _)| name.contains(&spelled))
+            .map(|(_, address)| *address)
+            .collect();
+        match found[..] {
+            [address] => Ok(address),
+            _ => bail!("{} variables are {}, not one", found.len(), path.join("::")),
+        }
+    }
+
     /// The half-words of the function at an address, each with its own address.
     pub fn half_words(&self, function: u32) -> Result<Vec<(u32, u16)>> {
         let (size, _) = self

@@ -123,6 +123,17 @@ impl From<&str> for Watched {
     }
 }
 
+/// Memory that is written anew each time the core asks for more.
+#[derive(Clone, Debug)]
+pub struct Feed {
+    /// Arriving there, before the instruction, is asking.
+    pub asks: Watched,
+    /// Where each block is written.
+    pub address: u32,
+    /// The blocks in order; after the last one the memory stays as it is.
+    pub blocks: Vec<Vec<u8>>,
+}
+
 /// How a board is started and watched.
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -130,6 +141,8 @@ pub struct Options {
     pub settings: Option<Vec<u8>>,
     /// Places, arrivals at which are reported as [`Observer::hit`].
     pub watches: Vec<Watched>,
+    /// Memory that is filled while the program runs.
+    pub feed: Option<Feed>,
     /// The program is an autopilot: it keeps a call log, and falls silent only by a fault.
     pub flies: bool,
     /// Instructions that the core executes in a second without sleep; one per cycle of 168 MHz.
@@ -151,6 +164,7 @@ impl Default for Options {
         Self {
             settings: None,
             watches: Vec::new(),
+            feed: None,
             flies: true,
             instructions_per_second: NonZeroU64::new(168_000_000).expect("not zero"),
             poll_ns: 1_000_000,

@@ -25,6 +25,8 @@ use anyhow::Result;
 use clap::ValueEnum;
 
 pub use logics::{FlightCost, LogicCost, WayCost};
+#[cfg(test)]
+pub(crate) use parts::at_rest;
 pub use table::{Cost, Costs, Memory};
 
 use logics::LogicProgram;

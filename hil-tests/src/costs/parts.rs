@@ -125,7 +125,7 @@ fn costs(measurements: Vec<u64>) -> Vec<Cost> {
 }
 
 /// Chips that nobody talks to.
-pub(super) fn at_rest() -> Sensors {
+pub(crate) fn at_rest() -> Sensors {
     let source: Arc<dyn StimulusSource> = Arc::new(|_| Stimulus::default());
     let options = ChipOptions::default();
     Sensors {

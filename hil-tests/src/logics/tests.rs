@@ -1,5 +1,9 @@
 //! Every logic comes to the same bits in every way, on every recorded flight.
 
+mod emulated;
+mod whole;
+
+use rayon::prelude::*;
 use reflex::airframe::MotorShares;
 use reflex::graph::{ArduCopter, Cascade, Cleanflight, OpenPilot};
 use reflex_bench::step::Step;
@@ -38,19 +42,19 @@ fn bits(command: MotorShares) -> [u32; reflex::config::MOTORS] {
 }
 
 /// Runs of every logic on every recorded flight, in reactive control.
-fn for_every_flight(check: impl Fn(LogicName, &str, Vec<Step>)) {
-    for flight in flights() {
+fn for_every_flight(check: impl Fn(LogicName, &str, Vec<Step>) + Sync) {
+    flights().par_iter().for_each(|flight| {
         for name in LogicName::value_variants() {
             let options = ReplayOptions {
                 logic: *name,
                 ..ReplayOptions::default()
             };
-            let calls = fly(&flight, &options).unwrap_or_else(|error| panic!("{error:#}"));
+            let calls = fly(flight, &options).unwrap_or_else(|error| panic!("{error:#}"));
             let steps = steps_of(&calls, options.settings, *name);
             assert!(steps.len() > 1000, "{}", flight.name);
             check(*name, &flight.name, steps);
         }
-    }
+    });
 }
 
 #[test]
@@ -74,24 +78,19 @@ fn callbacks_and_pointer_vectors_come_to_the_commands_of_ours() {
 #[test]
 fn where_every_input_is_set_time_triggered_control_comes_to_the_commands_of_ours() {
     for_every_flight(|name, flight, steps| {
-        let [mut time_triggered, mut ours, ..] = ways(name);
-        let mut whole = Step {
-            goal: Some(None),
-            place: Some(Place::default()),
-            ..Step::default()
-        };
-        for (run, step) in steps.iter().enumerate() {
-            whole = step.over(&whole);
-            if !whole.is_whole() {
-                continue;
+        let held = whole::held(&steps);
+        for (kind, steps) in [("changing", whole::changing(&held)), ("held", held)] {
+            let [mut time_triggered, mut ours, ..] = ways(name);
+            for (run, step) in steps.iter().enumerate() {
+                let [expected, command] =
+                    [&mut time_triggered, &mut ours].map(|way| way.take(step));
+                assert_eq!(
+                    bits(command),
+                    bits(expected),
+                    "{} on {flight}, {kind}, run {run}",
+                    name.word()
+                );
             }
-            let [expected, command] = [&mut time_triggered, &mut ours].map(|way| way.take(&whole));
-            assert_eq!(
-                bits(command),
-                bits(expected),
-                "{} on {flight}, run {run}",
-                name.word()
-            );
         }
     });
 }

@@ -31,10 +31,7 @@ impl TargetMemory for Memory<'_> {
     }
 
     fn write_word(&mut self, address: u32, value: u32) -> Result<(), FaultKind> {
-        let stored = self
-            .0
-            .write(u64::from(address), Width::W32, u64::from(value));
-        stored.map_err(|error| FaultKind::Emulator(error.to_string()))
+        self.store(u64::from(address), Width::W32, u64::from(value))
     }
 }
 
@@ -44,11 +41,21 @@ impl Memory<'_> {
         loaded.map_err(|error| FaultKind::Emulator(error.to_string()))
     }
 
+    fn store(&mut self, address: u64, width: Width, value: u64) -> Result<(), FaultKind> {
+        let stored = self.0.write(address, width, value);
+        stored.map_err(|error| FaultKind::Emulator(error.to_string()))
+    }
+
     /// Writes `bytes` at `address`.
     pub(super) fn write(&mut self, address: u32, bytes: &[u8]) -> Result<(), FaultKind> {
-        for (byte, at) in bytes.iter().zip(u64::from(address)..) {
-            let stored = self.0.write(at, Width::W8, u64::from(*byte));
-            stored.map_err(|error| FaultKind::Emulator(error.to_string()))?;
+        let (doubles, rest) = bytes.as_chunks();
+        let mut at = u64::from(address);
+        for double in doubles {
+            self.store(at, Width::W64, u64::from_le_bytes(*double))?;
+            at += 8;
+        }
+        for (byte, at) in rest.iter().zip(at..) {
+            self.store(at, Width::W8, u64::from(*byte))?;
         }
         Ok(())
     }

@@ -19,7 +19,7 @@ use super::memory::Memory;
 use super::part::Rig;
 use crate::board::motors::VectorGatherer;
 use crate::board::rings::{CallLog, RttLog};
-use crate::board::{CALLS_SYMBOL, Elf, FaultKind, Hit, Options, SETTINGS_SYMBOL};
+use crate::board::{self, CALLS_SYMBOL, Elf, FaultKind, Hit, Options, SETTINGS_SYMBOL};
 
 /// Polls that cross to the host's thread together, to wake it less often.
 const POLLS_TOGETHER: usize = 16;
@@ -31,6 +31,23 @@ const FATAL: [(&str, FaultKind); 2] = [
     ("DefaultHandler_", FaultKind::UnhandledInterrupt),
 ];
 
+/// Blocks that are still to be written, and where asking for one begins.
+struct Feed {
+    asks: u64,
+    address: u32,
+    blocks: std::vec::IntoIter<Vec<u8>>,
+}
+
+impl Feed {
+    fn new(elf: &Elf, feed: &board::Feed) -> Result<Self> {
+        Ok(Self {
+            asks: u64::from(elf.place_of(&feed.asks)?),
+            address: feed.address,
+            blocks: feed.blocks.clone().into_iter(),
+        })
+    }
+}
+
 /// State of the loop.
 pub(super) struct RunLoop {
     commands: Receiver<Command>,
@@ -40,6 +57,7 @@ pub(super) struct RunLoop {
     stack: Range<u32>,
     watches: Vec<u64>,
     fatal: Vec<(u64, FaultKind)>,
+    feed: Option<Feed>,
     calls: Option<CallLog>,
     log: RttLog,
     motors: VectorGatherer,
@@ -66,6 +84,7 @@ impl RunLoop {
             .watches
             .iter()
             .map(|place| Ok(u64::from(elf.place_of(place)?)));
+        let feed = options.feed.as_ref().map(|feed| Feed::new(elf, feed));
         let calls = options.flies.then(|| elf.symbol(CALLS_SYMBOL));
         let fatal = FATAL
             .into_iter()
@@ -78,6 +97,7 @@ impl RunLoop {
             stack: elf.stack()?,
             watches: watches.collect::<Result<_>>()?,
             fatal: fatal.collect::<Result<_>>()?,
+            feed: feed.transpose()?,
             calls: calls.transpose()?.map(CallLog::new),
             log: RttLog::new(elf.symbol("_SEGGER_RTT")?),
             motors: VectorGatherer::default(),
@@ -104,7 +124,8 @@ impl RunLoop {
             session.fail_next(hole.start, hole.end);
         }
         let fatal = self.fatal.iter().map(|fatal| fatal.0);
-        for address in self.watches.iter().copied().chain(fatal) {
+        let asks = self.feed.iter().map(|feed| feed.asks);
+        for address in self.watches.iter().copied().chain(fatal).chain(asks) {
             session.watch(Watch::Instruction(address));
         }
         Ok(())
@@ -202,6 +223,19 @@ impl RunLoop {
         }
     }
 
+    /// Writes the next block where the core arrived at asking for it.
+    fn fill(&mut self, host: &mut dyn Host, hit: WatchHit) {
+        let asked = self.feed.as_mut().filter(|feed| feed.asks == hit.address);
+        let Some((address, block)) =
+            asked.and_then(|feed| Some((feed.address, feed.blocks.next()?)))
+        else {
+            return;
+        };
+        if let Err(fault) = Memory(host).write(address, &block) {
+            self.health.condemn(fault);
+        }
+    }
+
     fn arrived(&mut self, session: &mut Session<Rig>, hit: WatchHit) {
         if let Some(watch) = self.watches.iter().position(|&at| at == hit.address) {
             let (at_ns, instructions) = (hit.at.0, hit.instruction_count);
@@ -221,9 +255,12 @@ impl RunLoop {
 }
 
 impl Driver<Rig> for RunLoop {
-    fn on_settled(&mut self, session: &mut Session<Rig>, _: &mut dyn Host, settled: Settled) {
+    fn on_settled(&mut self, session: &mut Session<Rig>, host: &mut dyn Host, settled: Settled) {
         match settled {
-            Settled::Hit(hit) => self.arrived(session, hit),
+            Settled::Hit(hit) => {
+                self.fill(host, hit);
+                self.arrived(session, hit);
+            }
             Settled::Access { access, .. } => self.health.note_access(access),
             // A board that was reset is at its end: no need to boot it again.
             Settled::Stop(stop) if !session.resets().is_empty() => session.run_until(stop.at),

@@ -11,7 +11,7 @@ const HANDLER: u32 = FLASH + VECTORS;
 /// Where every other exception goes: another one.
 const UNHANDLED: u32 = HANDLER + 4;
 /// First instruction of the program, at a word boundary.
-const CODE: u32 = UNHANDLED + 4;
+pub(super) const CODE: u32 = UNHANDLED + 4;
 /// Number of the first exception that is no fault.
 const SVCALL: u32 = 11;
 /// Top and bottom of the stack.

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use super::program::{
-    CALLS, CRASH, HELLO, PANICKED, SETTINGS, STACK, assembled, logging, writing, writing_then,
+    CALLS, CODE, CRASH, HELLO, PANICKED, SETTINGS, STACK, assembled, logging, writing, writing_then,
 };
 use super::{Pulse, sensors};
 use crate::board::emulated::EmulatedBoard;
 use crate::board::{
-    Board, Edge, Elf, Fault, FaultKind, Hit, Line, LogLine, MotorWrite, Observer, Options, Outcome,
+    Board, Edge, Elf, Fault, FaultKind, Feed, Hit, Line, LogLine, MotorWrite, Observer, Options,
+    Outcome, Watched,
 };
 
 /// Everything a run told.
@@ -90,6 +91,29 @@ fn settings_are_there_before_the_first_instruction_and_calls_are_read() {
     outcome.unwrap();
     assert_eq!(told.calls, [(MILLISECOND, vec![1, 2, 3, 4])]);
     assert_eq!(told.progress, 3 * MILLISECOND);
+}
+
+#[test]
+fn each_arrival_is_fed_the_next_block_until_there_is_none() {
+    // ldr r0, =settings; ldr r2, =calls; movs r3, #0; loop: ldr r1, [r0]; adds r3, #4;
+    // str r1, [r2, r3]; cmp r3, #12; bne loop; str r3, [r2]; wfi; b .-2; nop
+    let code = [
+        0x4805, 0x4A06, 0x2300, 0x6801, 0x3304, 0x50D1, 0x2B0C, 0xD1FA, 0x6013, 0xBF30, 0xE7FD,
+        0xBF00,
+    ];
+    let elf = assembled(&code, &[SETTINGS, CALLS]);
+    let options = Options {
+        feed: Some(Feed {
+            asks: Watched::Address(CODE + 6),
+            address: SETTINGS,
+            blocks: vec![vec![1, 2, 3, 4], vec![5, 6, 7, 8]],
+        }),
+        ..Options::default()
+    };
+    let (told, outcome) = run(elf, &options, 2 * MILLISECOND);
+    outcome.unwrap();
+    let bytes = vec![1, 2, 3, 4, 5, 6, 7, 8, 5, 6, 7, 8];
+    assert_eq!(told.calls, [(MILLISECOND, bytes)]);
 }
 
 #[test]
