@@ -153,7 +153,7 @@ impl Records {
         for path in journals(folder)? {
             let text = fs::read_to_string(&path).map_err(|error| unreadable(&path, &error))?;
             // What lies behind the last end of a line was cut off in writing.
-            let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+            let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
             for (number, text) in (1..).zip(whole.lines()) {
                 records.add(text).map_err(|reason| {
                     let path = path.display();

@@ -49,7 +49,7 @@ impl Line {
     /// Through two points of rate and busy share; none where more runs are not more work.
     fn through([(rate, busy), (more, busier)]: [(f64, f64); 2]) -> Option<Self> {
         let per_run_s = (busier - busy) / (more - rate);
-        (per_run_s.is_finite() && per_run_s > 0.0).then(|| Self {
+        (per_run_s.is_finite() && per_run_s > 0.0).then_some(Self {
             idle: busy - per_run_s * rate,
             per_run_s,
         })
