@@ -46,7 +46,8 @@ impl Variant {
     }
 
     /// Its name, also of the folder that its build is kept in.
-    fn name(&self) -> String {
+    #[must_use]
+    pub fn name(&self) -> String {
         if self.bandwidth == 1.0 {
             self.airframe.clone()
         } else {

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::interval::Interval;
 use super::journal::{Landed, Records};
 use super::plan::{Plan, USUAL_HZ};
-use super::sortie::{Role, Sortie, Tier};
+use super::sortie::{Role, Sortie, Tier, Tunable};
 use crate::closed_loop::report::FlightReport;
 
 /// What a flight is judged by.
@@ -40,7 +40,7 @@ pub struct Comparison {
 }
 
 /// Every comparison of the main part, in the order of the report.
-pub const COMPARISONS: [Comparison; 4] = [
+pub const COMPARISONS: [Comparison; 7] = [
     Comparison {
         name: "reactive against 400 Hz",
         of: Role::Reactive,
@@ -59,6 +59,21 @@ pub const COMPARISONS: [Comparison; 4] = [
     Comparison {
         name: "reactive without foresight against 400 Hz",
         of: Role::Unforeseen,
+        against: Role::Periodic(USUAL_HZ),
+    },
+    Comparison {
+        name: "at equal margins: reactive against 400 Hz",
+        of: Role::Tuned(Tunable::Reactive),
+        against: Role::Tuned(Tunable::Usual),
+    },
+    Comparison {
+        name: "at equal margins: reactive against periodic, equal runs",
+        of: Role::Tuned(Tunable::Reactive),
+        against: Role::Tuned(Tunable::EqualRuns),
+    },
+    Comparison {
+        name: "what it can buy: reactive with faster loops against 400 Hz as configured",
+        of: Role::Tuned(Tunable::Reactive),
         against: Role::Periodic(USUAL_HZ),
     },
 ];

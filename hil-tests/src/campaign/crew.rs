@@ -69,6 +69,8 @@ pub struct Orders {
     pub stamp: Stamp,
     /// The airframe.
     pub airframe: String,
+    /// How fast its loops are, in % of the configured bandwidth.
+    pub bandwidth: u32,
     /// What all of them fly on.
     pub tier: Tier,
     /// The flights.
@@ -76,6 +78,14 @@ pub struct Orders {
 }
 
 impl Orders {
+    /// The program that can fly them.
+    fn variant(&self) -> Variant {
+        Variant {
+            airframe: self.airframe.clone(),
+            bandwidth: f64::from(self.bandwidth) / 100.0,
+        }
+    }
+
     /// The stage that they are.
     fn stage(&self) -> String {
         let how = match self.tier {
@@ -84,7 +94,7 @@ impl Orders {
         };
         format!(
             "Flying {} {how}: {} flights",
-            self.airframe,
+            self.variant().name(),
             self.jobs.len()
         )
     }
@@ -94,17 +104,17 @@ impl Orders {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Here;
 
-/// Flies in a program for each airframe, built where it is not yet.
+/// Flies in a program for each airframe and bandwidth, built where it is not yet.
 #[derive(Debug, Default)]
 pub struct Programs(BTreeMap<String, Command>);
 
 impl Crew for Here {
     fn fly(&mut self, orders: &Orders, progress: &mut dyn Progress, take: Take<'_>) -> Result<()> {
-        let own = AIRFRAME;
-        let airframe = &orders.airframe;
+        let variant = orders.variant();
         ensure!(
-            airframe == own,
-            "{airframe}: this program was built for {own}"
+            variant.built_in(),
+            "{}: this program was built for {AIRFRAME}",
+            variant.name()
         );
         let firmware = firmware(&orders.jobs, progress)?;
         let scenes = scenes(&orders.jobs)?;
@@ -207,12 +217,13 @@ impl Progress for Said {
 }
 
 impl Programs {
-    fn program(&mut self, airframe: &str, progress: &mut dyn Progress) -> Result<Command> {
-        if !self.0.contains_key(airframe) {
-            let command = airframes::program(&Variant::of(airframe), progress)?;
-            self.0.insert(airframe.to_owned(), command);
+    fn program(&mut self, variant: &Variant, progress: &mut dyn Progress) -> Result<Command> {
+        let name = variant.name();
+        if !self.0.contains_key(&name) {
+            let command = airframes::program(variant, progress)?;
+            self.0.insert(name.clone(), command);
         }
-        let known = self.0.get(airframe).context("it was built")?;
+        let known = self.0.get(&name).context("it was built")?;
         let mut command = Command::new(known.get_program());
         let set = known
             .get_envs()
@@ -229,7 +240,7 @@ impl Programs {
 
 impl Crew for Programs {
     fn fly(&mut self, orders: &Orders, progress: &mut dyn Progress, take: Take<'_>) -> Result<()> {
-        let mut command = self.program(&orders.airframe, progress)?;
+        let mut command = self.program(&orders.variant(), progress)?;
         let mut child = command.spawn().with_context(|| {
             format!(
                 "{} cannot be started",

@@ -11,7 +11,8 @@ use super::interval::Interval;
 use super::journal::{Landed, Records, Ways};
 use super::load::{self, Load};
 use super::plan::{Plan, USUAL_HZ};
-use super::sortie::{Role, Sortie, Tier};
+use super::sortie::{Role, Sortie, Tier, Tunable};
+use super::tuning::{self, Tuning};
 use crate::closed_loop::report::FlightReport;
 
 /// Everything, of whatever has been flown so far.
@@ -43,6 +44,10 @@ pub struct Findings {
     pub comparisons: Vec<Compared>,
     /// Reactive control with other settings against time-triggered control at 400 Hz.
     pub sweeps: Vec<Swept>,
+    /// Time-triggered control at other rates against that at 400 Hz.
+    pub rates: Vec<Swept>,
+    /// How fast each policy may make its loops at equal margins.
+    pub tunings: Vec<Tuning>,
     /// The means of each cell in each role.
     pub means: Vec<Means>,
     /// The processor's load.
@@ -141,19 +146,19 @@ impl Findings {
             undecided,
             comparisons: COMPARISONS.map(|one| one.over(plan, records)).to_vec(),
             sweeps: sweeps(plan, records),
+            rates: rates(plan, records),
+            tunings: tuning::all(plan, records),
             means: means(plan, records),
             loads: load::all(plan, records),
             ways: records.ways.clone(),
         }
     }
 
-    /// The comparison with time-triggered control in a role.
+    /// The comparison of two roles.
     #[must_use]
-    pub fn against(&self, role: Role) -> Option<&Compared> {
+    pub fn between(&self, of: Role, against: Role) -> Option<&Compared> {
         let mut comparisons = self.comparisons.iter();
-        comparisons.find(|compared| {
-            compared.comparison.of == Role::Reactive && compared.comparison.against == role
-        })
+        comparisons.find(|it| it.comparison.of == of && it.comparison.against == against)
     }
 
     /// One JSON object on one line.
@@ -167,9 +172,13 @@ impl Findings {
 
 /// Whether a flight waits for a rate that there will never be.
 fn is_undecided(records: &Records, sortie: &Sortie) -> bool {
-    let decided_by = records.flights.get(&sortie.with(Role::Reactive));
-    sortie.role == Role::EqualRuns
-        && decided_by.is_some_and(|landed| landed.report.control.rate_hz.is_none())
+    let decides = match sortie.role {
+        Role::EqualRuns => Role::Reactive,
+        Role::Tuned(Tunable::EqualRuns) => Role::Tuned(Tunable::Reactive),
+        _ => return false,
+    };
+    let decided_by = records.flights.get(&sortie.with(decides));
+    decided_by.is_some_and(|landed| landed.report.control.rate_hz.is_none())
 }
 
 fn crash(landed: &Landed) -> Option<String> {
@@ -192,24 +201,44 @@ fn sweeps(plan: &Plan, records: &Records) -> Vec<Swept> {
     let failsafes = failsafes.chain([(configured, Role::Reactive)]);
     let p_runs = p_runs.map(|(value, role)| ("p_run", value, role));
     let failsafes = failsafes.map(|(value, role)| ("failsafe_s", value, role));
-    let swept = p_runs
-        .chain(failsafes)
-        .flat_map(|(parameter, value, role)| {
-            let comparison = Comparison {
-                name: "",
-                of: role,
-                against: Role::Periodic(USUAL_HZ),
-            };
-            let compared = comparison.over(plan, records);
-            let cells = compared.cells.into_iter();
-            let of_logic = cells.filter(|cell| cell.logic == plan.sweep_logic);
-            of_logic.map(move |cell| Swept {
-                parameter,
-                value,
-                cell,
-            })
-        });
-    let mut swept: Vec<Swept> = swept.collect();
+    let settings = p_runs.chain(failsafes);
+    let swept = settings.flat_map(|setting| {
+        let cells = against_usual(plan, records, setting);
+        cells.filter(|swept| swept.cell.logic == plan.sweep_logic)
+    });
+    in_order(swept.collect())
+}
+
+/// Time-triggered control at other rates against the usual one.
+fn rates(plan: &Plan, records: &Records) -> Vec<Swept> {
+    let rates = plan.rates_hz.iter().chain([&USUAL_HZ]);
+    let swept = rates.flat_map(|hz| {
+        let role = Role::Periodic(*hz);
+        against_usual(plan, records, ("rate_hz", f64::from(*hz), role))
+    });
+    in_order(swept.collect())
+}
+
+/// Every cell of one value of a setting.
+fn against_usual(
+    plan: &Plan,
+    records: &Records,
+    (parameter, value, role): (&'static str, f64, Role),
+) -> impl Iterator<Item = Swept> {
+    let comparison = Comparison {
+        name: "",
+        of: role,
+        against: Role::Periodic(USUAL_HZ),
+    };
+    let cells = comparison.over(plan, records).cells.into_iter();
+    cells.map(move |cell| Swept {
+        parameter,
+        value,
+        cell,
+    })
+}
+
+fn in_order(mut swept: Vec<Swept>) -> Vec<Swept> {
     swept.sort_by(|one, other| {
         let parameters = other.parameter.cmp(one.parameter);
         parameters.then(one.value.total_cmp(&other.value))
@@ -225,6 +254,9 @@ fn means(plan: &Plan, records: &Records) -> Vec<Means> {
         Role::Periodic(USUAL_HZ),
         Role::EqualRuns,
         Role::EqualTime,
+        Role::Tuned(Tunable::Reactive),
+        Role::Tuned(Tunable::Usual),
+        Role::Tuned(Tunable::EqualRuns),
     ];
     let of_role = |role| {
         let cells = comparison::pairs(plan, records, (role, role));

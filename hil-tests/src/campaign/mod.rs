@@ -25,6 +25,7 @@ mod table;
 mod testing;
 #[cfg(test)]
 mod tests;
+mod tuning;
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -45,7 +46,8 @@ pub use shard::Shard;
 
 use crew::Orders;
 use journal::{Journal, Records, Stamp};
-use sortie::{Job, Role, Sortie, Tier};
+use plan::USUAL_HZ;
+use sortie::{AS_CONFIGURED, Job, Role, Sortie, Tier, Tunable};
 
 /// What a campaign is told.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,14 +149,10 @@ impl Flying<'_> {
                 .iter()
                 .filter(|sortie| sortie.airframe == *airframe)
                 .collect();
-            let follows = |sortie: &Sortie| sortie.role == Role::EqualRuns;
-            let waves: [&dyn Fn(&Sortie) -> bool; 3] = [
-                &|sortie| is_emulated(sortie),
-                &|sortie| !is_emulated(sortie) && !follows(sortie),
-                &|sortie| follows(sortie),
-            ];
-            for wave in waves {
-                let sorties = own.iter().copied().filter(|sortie| wave(sortie));
+            let waves = own.iter().map(|sortie| (sortie.tier, sortie.role.wave()));
+            for (tier, wave) in waves.collect::<BTreeSet<_>>() {
+                let of_wave = |it: &&Sortie| (it.tier, it.role.wave()) == (tier, wave);
+                let sorties = own.iter().copied().filter(of_wave);
                 self.wave(airframe, sorties, crew, progress)?;
             }
         }
@@ -171,16 +169,40 @@ impl Flying<'_> {
         let records = &self.journal.records;
         let left = sorties.filter(|sortie| !records.flights.contains_key(sortie));
         let mut jobs: Vec<Job> = left.filter_map(|sortie| self.job(sortie)).collect();
+        // The longest first, so that no core is left alone with it.
+        jobs.sort_by_key(|job| std::cmp::Reverse(job.sortie.duration_s));
+        let mut bandwidths: Vec<u32> = jobs.iter().map(|job| job.bandwidth).collect();
+        // Loops as configured first: this very program flies them.
+        bandwidths.sort_by_key(|percent| (*percent != AS_CONFIGURED, *percent));
+        bandwidths.dedup();
+        for bandwidth in bandwidths {
+            let own = jobs.iter().filter(|job| job.bandwidth == bandwidth);
+            self.orders(
+                (airframe, bandwidth),
+                own.cloned().collect(),
+                crew,
+                progress,
+            )?;
+        }
+        Ok(())
+    }
+
+    /// Has jobs flown by the one program that can.
+    fn orders(
+        &mut self,
+        (airframe, bandwidth): (&str, u32),
+        jobs: Vec<Job>,
+        crew: &mut dyn Crew,
+        progress: &mut dyn Progress,
+    ) -> Result<()> {
         let Some(first) = jobs.first() else {
             return Ok(());
         };
-        let tier = first.sortie.tier;
-        // The longest first, so that no core is left alone with it.
-        jobs.sort_by_key(|job| std::cmp::Reverse(job.sortie.duration_s));
         let orders = Orders {
             stamp: self.stamp.clone(),
             airframe: airframe.to_owned(),
-            tier,
+            bandwidth,
+            tier: first.sortie.tier,
             jobs,
         };
         let (mut done, of) = (0, orders.jobs.len());
@@ -206,11 +228,29 @@ impl Flying<'_> {
                 let load = load::measured(self.plan, records, sortie, Role::Reactive)?;
                 Some(load.period_us())
             }
+            Role::Margin(Tunable::Usual, ..) | Role::Tuned(Tunable::Usual) => {
+                Some(load::period_us(f64::from(USUAL_HZ)))
+            }
+            Role::Margin(Tunable::EqualRuns, ..) => {
+                let rate_hz = tuning::reactive_rate_hz(self.plan, records, sortie)?;
+                Some(load::period_us(rate_hz))
+            }
+            Role::Tuned(Tunable::EqualRuns) => {
+                let reactive = sortie.with(Role::Tuned(Tunable::Reactive));
+                let report = &records.flights.get(&reactive)?.report;
+                Some(load::period_us(report.control.rate_hz?))
+            }
             _ => None,
+        };
+        let bandwidth = match sortie.role {
+            Role::Margin(_, percent, _) => percent,
+            Role::Tuned(of) => tuning::fastest(records, sortie, of)?,
+            _ => AS_CONFIGURED,
         };
         Some(Job {
             sortie: sortie.clone(),
             period_us,
+            bandwidth,
         })
     }
 }

@@ -2,7 +2,8 @@
 
 use reflex::config::AIRFRAME;
 
-use super::sortie::{Role, Sortie, Tier};
+use super::sortie::{Role, Sortie, Tier, Tunable};
+use super::tuning;
 use crate::refusal::Refusal;
 
 /// Every plan's name.
@@ -13,6 +14,8 @@ pub const MOST_SEEDS: u32 = 10_000;
 pub const LOAD_RATES_HZ: [u32; 2] = [100, 400];
 /// The rate of time-triggered control that the paper compares with, Hz.
 pub const USUAL_HZ: u32 = 400;
+/// Seeds that the error is shown over the rate with, at most.
+const RATE_SEEDS: u32 = 10;
 
 /// The flights of a campaign, in a few words.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +32,10 @@ pub struct Plan {
     pub seeds: u32,
     /// Seeds that `P_run` and `T_failsafe` are varied over, 1 to this.
     pub sweep_seeds: u32,
+    /// Seeds that are flown with loops tuned to equal margins, 1 to this; 0 tunes nothing.
+    pub tuned_seeds: u32,
+    /// Rates of time-triggered control that its error is shown over, Hz, besides the usual one.
+    pub rates_hz: Vec<u32>,
     /// The logic that they are varied with.
     pub sweep_logic: String,
     /// Values of `P_run` in thousandths, besides that of `config/`.
@@ -69,6 +76,7 @@ impl Plan {
             }
             plan.seeds = seeds;
             plan.sweep_seeds = plan.sweep_seeds.min(seeds);
+            plan.tuned_seeds = plan.tuned_seeds.min(seeds);
         }
         Ok(plan)
     }
@@ -99,26 +107,8 @@ impl Plan {
     /// Simulated hours of all flights.
     #[must_use]
     pub fn hours(&self) -> f64 {
-        let cells = (self.environments.len() * self.airframes.len()) as f64;
-        let unit = |cell: [&String; 3], seed| self.trial(cell, seed).seconds() as f64;
-        let names = [&self.airframes[..], &self.environments[..]].map(|names| names.first());
-        let [Some(airframe), Some(environment)] = names else {
-            return 0.0;
-        };
-        let trials = self.logics.iter().map(|logic| {
-            let cell = [airframe, logic, environment];
-            let swept = unit(cell, 1) * f64::from(self.sweep_seeds.min(self.seeds));
-            let rest = self.seeds.saturating_sub(self.sweep_seeds);
-            swept + unit(cell, u32::MAX) * f64::from(rest)
-        });
-        let loads = self
-            .logics
-            .iter()
-            .filter_map(|logic| self.load_flights([airframe, logic]));
-        let loads: u64 = loads.map(|unit| unit.seconds()).sum();
-        let seconds = cells * trials.sum::<f64>()
-            + (loads * self.airframes.len() as u64 + self.long_flights().seconds()) as f64;
-        seconds / 3600.0
+        let seconds: u64 = self.units().iter().map(Unit::seconds).sum();
+        seconds as f64 / 3600.0
     }
 
     /// What Bregu et al. 2016 flew for eight months, section 7: 260 hours and more.
@@ -128,8 +118,10 @@ impl Plan {
             environments: owned(&["lab", "rugby", "arch"]),
             airframes: owned(&["quad_x", "hexa_x", "y6"]),
             logics: owned(&["arducopter", "openpilot", "cleanflight"]),
-            seeds: 51,
-            sweep_seeds: 30,
+            seeds: 36,
+            sweep_seeds: 20,
+            tuned_seeds: 20,
+            rates_hz: vec![12, 25, 50, 100, 200, 1000],
             sweep_logic: "arducopter".into(),
             p_runs: vec![200, 300, 400, 500, 700, 800],
             failsafes: vec![10, 50, 200, 300],
@@ -148,6 +140,8 @@ impl Plan {
             logics: owned(&["arducopter"]),
             seeds: 2,
             sweep_seeds: 2,
+            tuned_seeds: 0,
+            rates_hz: vec![25],
             sweep_logic: "arducopter".into(),
             p_runs: vec![300],
             failsafes: vec![200],
@@ -177,6 +171,7 @@ impl Plan {
                     let seeds = 1..=self.seeds;
                     let cell = [airframe, logic, environment];
                     units.extend(seeds.map(|seed| self.trial(cell, seed)));
+                    units.extend(self.tuning(cell));
                 }
             }
             if *airframe == self.long.0 {
@@ -206,11 +201,54 @@ impl Plan {
         if self.emulated_s.is_some() {
             roles.push(Role::EqualTime);
         }
+        let shows_rates = Some(airframe) == self.airframes.first();
+        if shows_rates && seed <= RATE_SEEDS.min(self.sweep_seeds) {
+            roles.extend(self.rates_hz.iter().copied().map(Role::Periodic));
+        }
         if *logic == self.sweep_logic && seed <= self.sweep_seeds {
             roles.extend(self.p_runs.iter().copied().map(Role::PRun));
             roles.extend(self.failsafes.iter().copied().map(Role::Failsafe));
         }
         Unit(roles.into_iter().map(sortie).collect())
+    }
+
+    /// Any flight of each cell.
+    #[must_use]
+    pub fn cells(&self) -> Vec<Sortie> {
+        let mut cells = Vec::new();
+        for airframe in &self.airframes {
+            for logic in &self.logics {
+                let of = |environment| self.trial([airframe, logic, environment], 1).0;
+                let first = self
+                    .environments
+                    .iter()
+                    .filter_map(|it| of(it).into_iter().next());
+                cells.extend(first);
+            }
+        }
+        cells
+    }
+
+    /// A cell's flight with loops tuned to equal margins.
+    #[must_use]
+    pub fn tuned(&self, cell: &Sortie, of: Tunable, seed: u32) -> Sortie {
+        Sortie {
+            duration_s: self.duration_s,
+            role: Role::Tuned(of),
+            seed,
+            ..cell.clone()
+        }
+    }
+
+    /// The margins of a cell, and its flights with what they allow.
+    fn tuning(&self, cell: [&String; 3]) -> Option<Unit> {
+        let any = self.trial(cell, 1).0.into_iter().next()?;
+        let mut flights = Vec::new();
+        for of in Tunable::ALL {
+            flights.extend(tuning::margins(&any, of));
+            flights.extend((1..=self.tuned_seeds).map(|seed| self.tuned(&any, of, seed)));
+        }
+        (self.tuned_seeds > 0).then_some(Unit(flights))
     }
 
     /// Emulated flights of an airframe with a logic, for the processor's load.

@@ -15,6 +15,8 @@ use crate::logics::LogicName;
 
 /// The scored part begins here, s from take-off, whoever flies: up, and done with learning.
 pub const SCORED_FROM_S: u32 = 15;
+/// The same in the hovering flights that margins are seen in.
+pub const HOVERS_FROM_S: u32 = 10;
 /// Slowest and fastest periodic control, us: below 11 Hz the failsafe would run control instead.
 pub const PERIODS_US: [u64; 2] = [1_000, 90_909];
 
@@ -26,6 +28,26 @@ pub enum Tier {
     Emulated,
     /// The library, without a processor.
     Native,
+}
+
+/// A way to run control whose loops are made as fast as equal margins allow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Tunable {
+    /// Reactive control.
+    Reactive,
+    /// Time-triggered control at the usual rate.
+    Usual,
+    /// Time-triggered control as often as reactive control with its own tuning runs.
+    EqualRuns,
+}
+
+/// What loops must bear: a gain or a delay that they are not made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Strain {
+    /// The drone answers its motors twice as strongly: a gain margin of 6 dB.
+    Gain,
+    /// Motor commands apply 20 ms later: a delay margin.
+    Delay,
 }
 
 /// When control runs in a flight, and what it is there to be compared with.
@@ -46,6 +68,59 @@ pub enum Role {
     PRun(u32),
     /// Reactive control with another `T_failsafe`, in ms.
     Failsafe(u32),
+    /// Whether loops so fast, in % of the configured bandwidth, bear a strain in hovering flight.
+    Margin(Tunable, u32, Strain),
+    /// Control whose loops are as fast as their margins allow.
+    Tuned(Tunable),
+}
+
+impl Tunable {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Reactive, Self::Usual, Self::EqualRuns];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Reactive => "reactive",
+            Self::Usual => "usual",
+            Self::EqualRuns => "equal-runs",
+        }
+    }
+}
+
+impl Strain {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Gain, Self::Delay];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Gain => "gain",
+            Self::Delay => "delay",
+        }
+    }
+
+    fn stress(self) -> Stress {
+        let none = Stress::default();
+        match self {
+            Self::Gain => Stress { gain: 2.0, ..none },
+            Self::Delay => Stress {
+                delay_s: 0.02,
+                ..none
+            },
+        }
+    }
+}
+
+impl Role {
+    /// What must have been flown before: flights of a lower wave.
+    #[must_use]
+    pub fn wave(self) -> u32 {
+        match self {
+            Self::EqualRuns | Self::Tuned(Tunable::Reactive | Tunable::Usual) => 1,
+            Self::Margin(Tunable::EqualRuns, ..) => 2,
+            Self::Tuned(Tunable::EqualRuns) => 3,
+            _ => 0,
+        }
+    }
 }
 
 /// A flight that a plan has; nothing else decides what comes of it but [`Job::period_us`].
@@ -67,7 +142,7 @@ pub struct Sortie {
     pub seed: u32,
 }
 
-/// A sortie that can be flown: its period is known.
+/// A sortie that can be flown: its period and its loops are known.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Job {
     /// What is flown.
@@ -75,6 +150,20 @@ pub struct Job {
     /// Time between two runs of time-triggered control, us; none for reactive control.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub period_us: Option<u64>,
+    /// How fast attitude and rate loops are, in % of the configured bandwidth.
+    #[serde(default = "as_configured", skip_serializing_if = "is_as_configured")]
+    pub bandwidth: u32,
+}
+
+/// Loops as `config/` has them, in %.
+pub const AS_CONFIGURED: u32 = 100;
+
+fn as_configured() -> u32 {
+    AS_CONFIGURED
+}
+
+fn is_as_configured(bandwidth: &u32) -> bool {
+    *bandwidth == AS_CONFIGURED
 }
 
 impl Sortie {
@@ -130,13 +219,17 @@ impl Job {
         settings
             .validate()
             .map_err(|error| anyhow::anyhow!("{sortie}: {error}"))?;
+        let (mission, scored_from_s, stress) = match sortie.role {
+            Role::Margin(_, _, strain) => (Mission::Hover, HOVERS_FROM_S, strain.stress()),
+            _ => (Mission::Waypoints, SCORED_FROM_S, Stress::default()),
+        };
         Ok(FlyOptions {
             logic: logic.with_context(|| format!("{}: is no control logic", sortie.logic))?,
             settings,
-            mission: Mission::Waypoints,
+            mission,
             duration_s: f64::from(sortie.duration_s),
-            scored_from_s: Some(f64::from(SCORED_FROM_S)),
-            stress: Stress::default(),
+            scored_from_s: Some(f64::from(scored_from_s)),
+            stress,
         })
     }
 
@@ -156,6 +249,10 @@ impl fmt::Display for Role {
             Self::EqualTime => f.write_str("equal-time"),
             Self::PRun(thousandths) => write!(f, "p-run-{}", f64::from(*thousandths) / 1000.0),
             Self::Failsafe(ms) => write!(f, "failsafe-{}", f64::from(*ms) / 1000.0),
+            Self::Tuned(of) => write!(f, "tuned-{}", of.name()),
+            Self::Margin(of, percent, strain) => {
+                write!(f, "margin-{}-{percent}-{}", of.name(), strain.name())
+            }
         }
     }
 }
@@ -178,10 +275,22 @@ impl FromStr for Role {
                 Some(("periodic", hz)) => Ok(Self::Periodic(hz.parse().map_err(|_| unknown())?)),
                 Some(("p-run", number)) => Ok(Self::PRun(thousandths(number)?)),
                 Some(("failsafe", number)) => Ok(Self::Failsafe(thousandths(number)?)),
-                _ => Err(unknown()),
+                _ => tuned(text).ok_or_else(unknown),
             },
         }
     }
+}
+
+/// The roles that have to do with tuning.
+fn tuned(text: &str) -> Option<Role> {
+    let tunable = |name: &str| Tunable::ALL.into_iter().find(|it| it.name() == name);
+    if let Some(name) = text.strip_prefix("tuned-") {
+        return Some(Role::Tuned(tunable(name)?));
+    }
+    let (rest, strain) = text.strip_prefix("margin-")?.rsplit_once('-')?;
+    let (name, percent) = rest.rsplit_once('-')?;
+    let strain = Strain::ALL.into_iter().find(|it| it.name() == strain)?;
+    Some(Role::Margin(tunable(name)?, percent.parse().ok()?, strain))
 }
 
 impl TryFrom<String> for Role {
@@ -212,6 +321,13 @@ mod tests {
             (1..2000u32).prop_map(Role::Periodic),
             (1..1000u32).prop_map(Role::PRun),
             (1..1000u32).prop_map(Role::Failsafe),
+            prop::sample::select(&Tunable::ALL[..]).prop_map(Role::Tuned),
+            (
+                prop::sample::select(&Tunable::ALL[..]),
+                1..1000u32,
+                prop::sample::select(&Strain::ALL[..])
+            )
+                .prop_map(|(of, percent, strain)| Role::Margin(of, percent, strain)),
         ]
     }
 
@@ -250,6 +366,7 @@ mod tests {
                 seed: 7,
             },
             period_us,
+            bandwidth: AS_CONFIGURED,
         };
         let settings = |role, period_us| job(role, period_us).options().unwrap().settings;
         assert_eq!(settings(Role::PRun(300), None).p_run, 0.3);

@@ -60,6 +60,7 @@ pub(super) fn landed(role: Role, seed: u32, pitch: f64) -> Landed {
     let job = Job {
         sortie,
         period_us: None,
+        bandwidth: crate::campaign::sortie::AS_CONFIGURED,
     };
     Landed { job, report }
 }

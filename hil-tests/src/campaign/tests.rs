@@ -81,7 +81,7 @@ fn the_smoke_plan_flies_and_comes_to_the_same_report_from_its_journal() {
         flown.crashes
     );
     assert_eq!(flown.flights.native, flown.planned);
-    let equal_runs = flown.against(Role::EqualRuns).unwrap();
+    let equal_runs = flown.between(Role::Reactive, Role::EqualRuns).unwrap();
     assert_eq!(equal_runs.cells.len(), 2);
     let rates = |role: Role| {
         let mut means = flown
@@ -264,7 +264,10 @@ fn improvements_are_those_of_pairs_and_crashes_are_counted_and_in_no_mean() {
     let plan = Plan::named("smoke", Some(3)).unwrap().native();
     let records = Records::read(out.path(), None).unwrap();
     let findings = Findings::of(&plan, &records);
-    let cell = &findings.against(Role::Periodic(400)).unwrap().cells[0];
+    let cell = &findings
+        .between(Role::Reactive, Role::Periodic(400))
+        .unwrap()
+        .cells[0];
     assert_eq!((cell.pairs, cell.crashes), (3, [1, 0]));
     let pitch = cell.improvement_percent[&Metric::Pitch];
     assert!((pitch.mean - 20.0).abs() < 1e-9 && pitch.count == 2);

@@ -52,6 +52,7 @@ impl LowPass {
     }
 
     /// The filtered value after `input`.
+    #[inline]
     pub fn step(&mut self, input: [f64; 3]) -> [f64; 3] {
         let (b, a) = (self.b, self.a);
         let settled = |x: f64| [x * (1.0 - b[0]), x * (b[2] - a[1])];

@@ -49,6 +49,7 @@ impl Noise {
     }
 
     /// Adds the next sample of noise with standard deviation `sigma`.
+    #[inline]
     pub fn add(&mut self, value: [f64; 3], sigma: f64) -> [f64; 3] {
         match &mut self.generator {
             None => value,

@@ -123,3 +123,19 @@ fn the_firmware_flies_in_closed_loop_and_comes_to_the_hosts_commands_bit_by_bit(
     );
     assert!((here / there - 1.0).abs() < 0.25, "{here} {there}");
 }
+
+#[test]
+fn control_at_a_low_rate_has_less_of_a_delay_margin_than_reactive_control() {
+    let turning = |policy| {
+        let mut options = options(LogicName::OpenPilot, policy, 1);
+        options.mission = Mission::Hover;
+        options.stress = Stress {
+            gain: 3.0,
+            delay_s: 0.0,
+        };
+        let report = flown("lab", &options);
+        report.turning_rad_s.unwrap_or(f64::INFINITY)
+    };
+    let [reactive, slow] = [Policy::Reactive, Policy::Periodic(micros(40_000))].map(turning);
+    assert!(reactive < 0.1 && slow > 0.5, "{reactive} {slow}");
+}

@@ -16,8 +16,9 @@ use crate::logics::LogicName;
 use crate::progress::Progress;
 use crate::refusal::Refusal;
 
-/// Speeds of the core in MHz that make sense.
-const CLOCKS_MHZ: std::ops::RangeInclusive<u32> = 1..=1000;
+/// Speeds of the core in MHz: below, start-up waits for sensors until after take-off, since it
+/// counts that time in instructions.
+const CLOCKS_MHZ: std::ops::RangeInclusive<u32> = 36..=672;
 /// Longest flight, s: a day.
 const LONGEST_S: f64 = 86_400.0;
 
@@ -36,7 +37,7 @@ pub(super) struct FlyArguments {
     logic: Option<LogicName>,
     /// How many times as fast as configured attitude and rate loops are: 0.5, 0.7, 1, 1.4 or 2;
     /// all but 1 are built first
-    #[arg(long, value_name = "FACTOR", value_parser = number, default_value = "1")]
+    #[arg(long, value_name = "FACTOR", value_parser = number, allow_negative_numbers = true, default_value = "1")]
     bandwidth: f64,
     /// What the drone is to do
     #[arg(long, value_enum, default_value = "waypoints")]
@@ -56,10 +57,10 @@ pub(super) struct FlyArguments {
     #[arg(long)]
     native: bool,
     /// Stress: how many times as much the drone answers its motors, 0.1 to 10
-    #[arg(long, value_name = "FACTOR", value_parser = number, default_value = "1")]
+    #[arg(long, value_name = "FACTOR", value_parser = number, allow_negative_numbers = true, default_value = "1")]
     plant_gain: f64,
     /// Stress: how much later motor commands apply, 0 to 0.2 s
-    #[arg(long, value_name = "SECONDS", value_parser = number, default_value = "0")]
+    #[arg(long, value_name = "SECONDS", value_parser = number, allow_negative_numbers = true, default_value = "0")]
     plant_delay: f64,
     /// Draw the flight to this SVG file
     #[arg(long, value_name = "FILE")]
@@ -170,5 +171,98 @@ impl FlyArguments {
         };
         bar.stage(&format!("Flying in {}", self.environment));
         closed_loop::fly(scene, options, flyer, bar)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Silent;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Only {
+        #[command(flatten)]
+        arguments: FlyArguments,
+    }
+
+    /// What is said to these arguments.
+    fn refusal(line: &str) -> String {
+        let words = ["fly"].into_iter().chain(line.split_whitespace());
+        match Only::try_parse_from(words) {
+            Err(error) => error.to_string(),
+            Ok(only) => match only.arguments.options() {
+                Err(refusal) => refusal.to_string(),
+                Ok(_) => String::new(),
+            },
+        }
+    }
+
+    #[test]
+    fn senseless_arguments_are_refused_with_their_range() {
+        for (line, expected) in [
+            ("--mission joyride", "[possible values: hover, waypoints]"),
+            (
+                "--logic px4",
+                "[possible values: cascade, arducopter, cleanflight, openpilot]",
+            ),
+            (
+                "--duration 0",
+                "--duration 0: must be above 0 and at most 86400 s",
+            ),
+            ("--duration nan", "must be a finite number"),
+            (
+                "--scored-from 60",
+                "--scored-from 60: must be 0 to less than the duration of 60 s",
+            ),
+            (
+                "--scored-from -1",
+                "--scored-from -1: must be 0 to less than",
+            ),
+            ("--clock-mhz 8", "--clock-mhz 8: must be 36 to 672 MHz"),
+            (
+                "--clock-mhz 36 --native",
+                "natively there is no processor, leave out --native",
+            ),
+            ("--plant-gain 0", "--plant-gain 0: must be 0.1 to 10"),
+            ("--plant-delay 1", "--plant-delay 1: must be 0 to 0.2 s"),
+            ("--rate 100", "only periodic control has a rate"),
+            ("--policy periodic --rate 2000", "must be 1 to 1000 Hz"),
+            ("--seed -1", "-1 is not in 0..=4294967295"),
+        ] {
+            let said = refusal(line);
+            assert!(
+                said.contains(expected),
+                "{line}: {said:?} does not say {expected:?}"
+            );
+        }
+        for line in [
+            "",
+            "--native",
+            "--clock-mhz 36",
+            "--policy periodic --rate 400",
+        ] {
+            assert_eq!(refusal(line), "", "{line}");
+        }
+    }
+
+    #[test]
+    fn unknown_places_and_drones_are_named_with_those_that_are_known() {
+        let told = Scene::load("moon").unwrap_err().to_string();
+        assert!(told.ends_with("must be one of: arch, lab, rugby"), "{told}");
+        let mut variant = Variant::of("kite");
+        let told = airframes::program(&variant, &mut Silent)
+            .unwrap_err()
+            .to_string();
+        assert_eq!(told, "--airframe kite: must be one of hexa_x, quad_x, y6");
+        variant = Variant::of(AIRFRAME);
+        variant.bandwidth = 3.0;
+        let told = airframes::program(&variant, &mut Silent)
+            .unwrap_err()
+            .to_string();
+        assert_eq!(
+            told,
+            "--bandwidth 3: must be one of [1.0, 0.5, 0.7, 1.4, 2.0]"
+        );
     }
 }

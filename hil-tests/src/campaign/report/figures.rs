@@ -3,22 +3,32 @@
 use anyhow::Result;
 
 use super::bars::{self, COLOURS, OTHERS, point};
-use super::{Shown, paper};
+use super::{Shown, paper, why};
 use crate::campaign::comparison::{Compared, Metric};
 use crate::campaign::findings::{Findings, Means, Swept};
 use crate::campaign::interval::Interval;
 use crate::campaign::journal::Records;
 use crate::campaign::plan::{Plan, USUAL_HZ};
-use crate::campaign::sortie::{Role, Sortie};
+use crate::campaign::sortie::{Role, Sortie, Tunable};
 use crate::plot::{Axis, Curve, Figure, Look, Marker, Panel, Point, Scale};
 
 /// Panels beside each other.
 const COLUMNS: usize = 3;
 /// Whom reactive control is compared with, by a few words.
-const AGAINST: [(Role, &str); 3] = [
-    (Role::Periodic(USUAL_HZ), "400 Hz"),
-    (Role::EqualRuns, "equal runs"),
-    (Role::EqualTime, "equal time"),
+const AGAINST: [(Role, Role, &str); 5] = [
+    (Role::Reactive, Role::Periodic(USUAL_HZ), "400 Hz"),
+    (Role::Reactive, Role::EqualRuns, "equal runs"),
+    (Role::Reactive, Role::EqualTime, "equal time"),
+    (
+        Role::Tuned(Tunable::Reactive),
+        Role::Tuned(Tunable::EqualRuns),
+        "equal runs and margins",
+    ),
+    (
+        Role::Tuned(Tunable::Reactive),
+        Role::Tuned(Tunable::Usual),
+        "400 Hz, equal margins",
+    ),
 ];
 
 /// All of them, in the paper's order.
@@ -34,10 +44,11 @@ pub fn all(plan: &Plan, records: &Records, findings: &Findings) -> Result<Vec<Sh
         flight_time(plan, findings)?,
         ways(plan, findings)?,
         sweeps(plan, findings)?,
+        why::rates(plan, findings)?,
     ])
 }
 
-fn svg(title: &str, panels: Vec<Panel>) -> Result<String> {
+pub(super) fn svg(title: &str, panels: Vec<Panel>) -> Result<String> {
     let figure = Figure {
         title: title.to_owned(),
         panels,
@@ -100,8 +111,9 @@ fn against_each(
 ) -> Vec<Panel> {
     let mut panels = Vec::new();
     for metric in metrics {
-        for (role, words) in AGAINST {
-            let Some(compared) = findings.against(role).filter(|it| !it.cells.is_empty()) else {
+        for (of, role, words) in AGAINST {
+            let compared = findings.between(of, role);
+            let Some(compared) = compared.filter(|it| !it.cells.is_empty()) else {
                 continue;
             };
             // Beside the paper's numbers ours may be too small to see: then once more without.
@@ -114,7 +126,7 @@ fn against_each(
     panels
 }
 
-const BARS: &str = "Positive is better. Shown are means over pairs of one seed, with 95 % intervals; cells \
+pub(super) const BARS: &str = "Positive is better. Shown are means over pairs of one seed, with 95 % intervals; cells \
                     in which every pair had a crash are empty.";
 
 fn pitch(plan: &Plan, findings: &Findings) -> Result<Shown> {
@@ -329,7 +341,7 @@ fn sweeps(plan: &Plan, findings: &Findings) -> Result<Shown> {
 }
 
 /// The values of one curve, with intervals.
-fn curve(swept: &[&Swept], is: &dyn Fn(&Swept) -> bool) -> Vec<Point> {
+pub(super) fn curve(swept: &[&Swept], is: &dyn Fn(&Swept) -> bool) -> Vec<Point> {
     let own = swept.iter().filter(|it| is(it));
     let points = own.filter_map(|it| {
         Some(point(
@@ -340,7 +352,7 @@ fn curve(swept: &[&Swept], is: &dyn Fn(&Swept) -> bool) -> Vec<Point> {
     points.collect()
 }
 
-fn sweep(
+pub(super) fn sweep(
     title: &str,
     (x, scale): (&str, Scale),
     (names, colours): (&[String], &[(u8, u8, u8)]),

@@ -9,6 +9,7 @@ mod headline;
 mod made;
 mod paper;
 mod tables;
+mod why;
 
 use anyhow::Result;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -35,7 +36,7 @@ svg { max-width: 100%; height: auto }
 
 /// A figure with its number in the paper, and what is said below it.
 struct Shown {
-    /// As in the paper.
+    /// As in the paper; empty for one that it has not.
     number: &'static str,
     title: &'static str,
     svg: String,
@@ -78,7 +79,10 @@ pub fn html(plan: &Plan, records: &Records, findings: &Findings, date: &str) -> 
 fn figure(shown: &Shown) -> Markup {
     html! {
         figure {
-            h3 { (shown.title) " (figure " (shown.number) " of the paper)" }
+            h3 {
+                (shown.title)
+                @if !shown.number.is_empty() { " (figure " (shown.number) " of the paper)" }
+            }
             // Drawn by this program, whose figures escape what they are given.
             (PreEscaped(&shown.svg))
             figcaption {

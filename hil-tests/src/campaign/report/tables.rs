@@ -6,6 +6,7 @@ use crate::campaign::comparison::{COMPARISONS, Cell, Compared, Metric};
 use crate::campaign::findings::{Findings, Means};
 use crate::campaign::interval::Interval;
 use crate::campaign::plan::Plan;
+use crate::campaign::tuning;
 
 /// What the table of improvements has columns of.
 const SHOWN: [Metric; 4] = [Metric::Pitch, Metric::Roll, Metric::Yaw, Metric::FlightTime];
@@ -32,6 +33,30 @@ pub fn section(plan: &Plan, findings: &Findings) -> Markup {
         }
         (means(&findings.means))
         (loads(plan, findings))
+        @if !findings.tunings.is_empty() { (tunings(plan, findings)) }
+    }
+}
+
+fn tunings(plan: &Plan, findings: &Findings) -> Markup {
+    let mut tunings: Vec<_> = findings.tunings.iter().collect();
+    tunings.sort_by_key(|it| plan.place([&it.environment, &it.airframe, &it.logic]));
+    html! {
+        h3 { "Loops at equal margins" }
+        p {
+            "How fast each policy may make attitude and rate loops, in % of the configured bandwidth: the "
+            "fastest of " (format!("{:?}", tuning::bandwidths())) " that keeps the drone from oscillating when "
+            "it answers its motors twice as strongly, and when commands apply 20 ms late."
+        }
+        table {
+            tr { (names_head()) th class="name" { "control" } th { "bandwidth, %" } }
+            @for it in tunings {
+                tr {
+                    (names(&it.environment, &it.airframe, &it.logic))
+                    td class="name" { (it.role) }
+                    td { (it.bandwidth_percent) }
+                }
+            }
+        }
     }
 }
 

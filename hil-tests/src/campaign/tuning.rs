@@ -1,0 +1,115 @@
+//! Tuning to equal margins: how fast each policy may make its loops.
+//!
+//! Everybody's attitude and rate loops are made faster by the same factors, and each policy keeps the
+//! fastest that still bear a drone which answers twice as strongly (6 dB) and commands that apply
+//! 20 ms late, hovering in the wind of the environment that they are for. Loops bear a strain where
+//! the drone hardly turns; what has no margin left oscillates, ten times as fast or more.
+
+use serde::Serialize;
+
+use super::journal::Records;
+use super::plan::Plan;
+use super::sortie::{Role, Sortie, Strain, Tunable};
+use crate::airframes::BANDWIDTHS;
+
+/// Seeds that margins are seen with, 1 to this.
+pub const SEEDS: u32 = 2;
+/// From take-off to the end of a flight that margins are seen in, s.
+pub const DURATION_S: u32 = 20;
+/// Most that a drone turns which bears its strain, RMS in rad/s. Wind alone turns it by 0.1.
+const MOST_TURNING: f64 = 0.3;
+
+/// How fast a policy may make the loops of one cell.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Tuning {
+    /// Name of the environment.
+    pub environment: String,
+    /// Name of the airframe.
+    pub airframe: String,
+    /// Name of the control logic.
+    pub logic: String,
+    /// The role that is flown with it.
+    pub role: String,
+    /// In % of the configured bandwidth.
+    pub bandwidth_percent: u32,
+}
+
+/// Bandwidths in %, from slow to fast.
+#[must_use]
+pub fn bandwidths() -> Vec<u32> {
+    let mut percents = BANDWIDTHS.map(|factor| (factor * 100.0).round() as u32);
+    percents.sort_unstable();
+    percents.to_vec()
+}
+
+/// The flights that show the margins of a cell, given any flight of it.
+#[must_use]
+pub fn margins(cell: &Sortie, of: Tunable) -> Vec<Sortie> {
+    let percents = bandwidths().into_iter();
+    percents
+        .flat_map(|percent| strained(cell, of, percent))
+        .collect()
+}
+
+fn strained(cell: &Sortie, of: Tunable, percent: u32) -> Vec<Sortie> {
+    let flight = |(strain, seed)| Sortie {
+        duration_s: DURATION_S,
+        role: Role::Margin(of, percent, strain),
+        seed,
+        ..cell.clone()
+    };
+    let strains = Strain::ALL.into_iter();
+    let pairs = strains.flat_map(|strain| (1..=SEEDS).map(move |seed| (strain, seed)));
+    pairs.map(flight).collect()
+}
+
+/// The fastest loops that bear every strain, in %; the slowest where none do, none unflown.
+#[must_use]
+pub fn fastest(records: &Records, cell: &Sortie, of: Tunable) -> Option<u32> {
+    let percents = bandwidths();
+    let mut fastest = percents.first().copied();
+    for percent in percents {
+        let mut bears = true;
+        for flight in strained(cell, of, percent) {
+            let report = &records.flights.get(&flight)?.report;
+            let turning = report.turning_rad_s.filter(|_| !report.crashed);
+            bears &= turning.is_some_and(|turning| turning <= MOST_TURNING);
+        }
+        if bears {
+            fastest = Some(percent);
+        }
+    }
+    fastest
+}
+
+/// Runs per second of tuned reactive control, the mean of a cell's flights.
+#[must_use]
+pub fn reactive_rate_hz(plan: &Plan, records: &Records, cell: &Sortie) -> Option<f64> {
+    let flights = (1..=plan.tuned_seeds).map(|seed| plan.tuned(cell, Tunable::Reactive, seed));
+    let rates: Vec<f64> = flights
+        .filter_map(|flight| records.flights.get(&flight)?.report.control.rate_hz)
+        .collect();
+    (!rates.is_empty()).then(|| rates.iter().sum::<f64>() / rates.len() as f64)
+}
+
+/// What came of it in every cell that is tuned.
+#[must_use]
+pub fn all(plan: &Plan, records: &Records) -> Vec<Tuning> {
+    if plan.tuned_seeds == 0 {
+        return Vec::new();
+    }
+    let cells = plan.cells();
+    let tunings = cells.iter().flat_map(|cell| {
+        Tunable::ALL.into_iter().filter_map(|of| {
+            let [environment, airframe, logic] = cell.cell().map(str::to_owned);
+            Some(Tuning {
+                environment,
+                airframe,
+                logic,
+                role: Role::Tuned(of).to_string(),
+                bandwidth_percent: fastest(records, cell, of)?,
+            })
+        })
+    });
+    tunings.collect()
+}
