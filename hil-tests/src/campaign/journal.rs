@@ -31,7 +31,7 @@ pub struct Stamp {
     pub sources: String,
 }
 
-/// Mean instructions of a run of a control logic, in each way of making it reactive.
+/// Mean instructions of a control logic's run, in each way of making it reactive.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Ways {
     /// Name of the control logic.
@@ -256,7 +256,7 @@ impl Journal {
     }
 }
 
-/// The journals of a folder, in the order of their names; none where there is no folder.
+/// The journals of a folder in the order of names; none where there is no folder.
 fn journals(folder: &Path) -> Result<Vec<PathBuf>, Refusal> {
     let entries = match fs::read_dir(folder) {
         Ok(entries) => entries,

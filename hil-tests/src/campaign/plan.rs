@@ -10,7 +10,7 @@ use crate::refusal::Refusal;
 pub const NAMES: [&str; 2] = ["paper", "smoke"];
 /// Most seeds of a plan.
 pub const MOST_SEEDS: u32 = 10_000;
-/// Rates of time-triggered control that the processor's load is worked out from, Hz.
+/// Rates of time-triggered control that the load is worked out from, Hz.
 pub const LOAD_RATES_HZ: [u32; 2] = [100, 400];
 /// The rate of time-triggered control that the paper compares with, Hz.
 pub const USUAL_HZ: u32 = 400;
@@ -46,7 +46,7 @@ pub struct Plan {
     pub duration_s: u32,
     /// Airframe and length in s of the flights whose rate is shown over time.
     pub long: (String, u32),
-    /// Emulated flights that load is measured with, s each; none where nothing is emulated.
+    /// Length of emulated flights, s; none where nothing is emulated.
     pub emulated_s: Option<u32>,
 }
 
@@ -293,7 +293,7 @@ impl Plan {
         Unit(flights.into_iter().filter_map(sortie).collect())
     }
 
-    /// Where a cell stands in tables: by logic, environment and airframe, as the plan lists them.
+    /// Where a cell stands in tables: by logic, environment, airframe as planned.
     #[must_use]
     pub fn place(&self, [environment, airframe, logic]: [&str; 3]) -> [Option<usize>; 3] {
         let within = |names: &[String], name: &str| names.iter().position(|it| it == name);
