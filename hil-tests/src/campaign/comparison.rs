@@ -91,7 +91,7 @@ pub struct Cell {
     pub pairs: usize,
     /// Crashes of the first and of the second of each pair.
     pub crashes: [usize; 2],
-    /// Improvement in % by metric, over pairs in which nobody crashed; positive is better.
+    /// Improvement in % over pairs in which nobody crashed; positive is better.
     pub improvement_percent: BTreeMap<Metric, Interval>,
 }
 

@@ -152,7 +152,7 @@ fn scenes(jobs: &[Job]) -> Result<BTreeMap<&str, Scene>> {
     Ok(scenes)
 }
 
-/// Each logic's firmware for this airframe; they are built in the same place, one by one.
+/// Each logic's firmware for this airframe, built one by one in the same place.
 fn firmware<'j>(
     jobs: &'j [Job],
     progress: &mut dyn Progress,
@@ -191,7 +191,7 @@ fn fly(
     })
 }
 
-/// Serves one program's end: orders on a line of input, then a line per flight to the output.
+/// One program's end: orders from the input, a line per flight to the output.
 ///
 /// # Errors
 /// Orders that are none, a flight that fails, an output that nobody reads.

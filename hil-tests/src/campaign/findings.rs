@@ -30,7 +30,7 @@ pub struct Findings {
     pub hours: ByTier<f64>,
     /// Flights, by tier.
     pub flights: ByTier<usize>,
-    /// Runs of the firmware that came to the host's command bit by bit; any other is an error.
+    /// Runs of the firmware, each of which came to the host's command bit by bit.
     pub equal_runs: u64,
     /// Flights that ended before their time, in words.
     pub crashes: Vec<String>,
@@ -94,7 +94,7 @@ pub struct Means {
     pub crashes: usize,
     /// Runs per second.
     pub rate_hz: Option<Interval>,
-    /// Runs of a hundred whose command does not differ by a quantum from the one before.
+    /// Runs of a hundred whose command is within a quantum of the one before.
     pub unchanged_percent: Option<Interval>,
     /// Runs of a hundred that were time-triggered, to learn or because learning failed.
     pub learning_percent: Option<Interval>,

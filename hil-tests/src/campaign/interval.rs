@@ -81,7 +81,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Worked out by hand: mean 4, deviation sqrt(10), 5 values, t = 2.7764 at 4 degrees.
+    /// By hand: mean 4, deviation sqrt(10), 5 values, t = 2.7764 at 4 degrees.
     #[test]
     fn an_interval_is_that_of_a_textbook() {
         let interval = Interval::of(&[0.0, 2.0, 4.0, 6.0, 8.0]).unwrap();

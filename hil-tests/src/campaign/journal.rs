@@ -31,7 +31,7 @@ pub struct Stamp {
     pub sources: String,
 }
 
-/// Mean instructions of a run of a control logic, in each way of making it reactive.
+/// Mean instructions of a control logic's run, in each way of making it reactive.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Ways {
     /// Name of the control logic.
@@ -153,9 +153,8 @@ impl Records {
         for path in journals(folder)? {
             let text = fs::read_to_string(&path).map_err(|error| unreadable(&path, &error))?;
             // What lies behind the last end of a line was cut off in writing.
-            let whole = text.rfind('\n').map(|end| &text[..end]);
-            let lines = whole.into_iter().flat_map(|whole| whole.split('\n'));
-            for (number, text) in (1..).zip(lines) {
+            let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
+            for (number, text) in (1..).zip(whole.lines()) {
                 records.add(text).map_err(|reason| {
                     let path = path.display();
                     Refusal::new(format!(
@@ -257,7 +256,7 @@ impl Journal {
     }
 }
 
-/// The journals of a folder, in the order of their names; none where there is no folder.
+/// The journals of a folder in the order of names; none where there is no folder.
 fn journals(folder: &Path) -> Result<Vec<PathBuf>, Refusal> {
     let entries = match fs::read_dir(folder) {
         Ok(entries) => entries,

@@ -1,4 +1,4 @@
-//! The processor's load, from emulated flights, and the rate of equal processor time.
+//! The load in emulated flights, and the rate of equal processor time.
 //!
 //! Time-triggered control keeps the processor busy for `a + c * rate`: `a` for samples and the
 //! link, `c` for a run. Two emulated flights give both. Where reactive control is as busy as that
@@ -35,7 +35,7 @@ pub struct Load {
     pub busy: f64,
     /// Runs per second in that flight.
     pub rate_hz: f64,
-    /// Share of these runs that were time-triggered, to learn or because learning failed.
+    /// Share of these runs that were time-triggered, to learn or not trusting that.
     pub learning: f64,
     /// Time-triggered control's line.
     pub periodic: Line,
@@ -46,10 +46,10 @@ pub struct Load {
 }
 
 impl Line {
-    /// Through two points of rate and busy share; none where more runs are not more work.
+    /// Through two points of rate and load; none where more runs are not more work.
     fn through([(rate, busy), (more, busier)]: [(f64, f64); 2]) -> Option<Self> {
         let per_run_s = (busier - busy) / (more - rate);
-        (per_run_s.is_finite() && per_run_s > 0.0).then(|| Self {
+        (per_run_s.is_finite() && per_run_s > 0.0).then_some(Self {
             idle: busy - per_run_s * rate,
             per_run_s,
         })
@@ -86,7 +86,7 @@ pub fn period_us(rate_hz: f64) -> u64 {
     }
 }
 
-/// What was measured of reactive control, with or without foresight; none where flights lack.
+/// The load of reactive control in a role; none where flights lack.
 #[must_use]
 pub fn measured(plan: &Plan, records: &Records, sortie: &Sortie, role: Role) -> Option<Load> {
     let needs = plan.needs(sortie);

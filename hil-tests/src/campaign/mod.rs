@@ -1,4 +1,4 @@
-//! Campaigns: hundreds of simulated hours that compare reactive with periodic control.
+//! Campaigns: hundreds of simulated hours of reactive against periodic control.
 //!
 //! ```text
 //!   plan --> jobs --> crew (a program per airframe) --> journal --> findings --> report, tables
@@ -14,6 +14,7 @@ mod crew;
 mod findings;
 mod interval;
 mod journal;
+mod known_plans;
 mod load;
 mod plan;
 mod report;
@@ -128,7 +129,7 @@ struct Flying<'p> {
 }
 
 impl Flying<'_> {
-    /// Everything of a part, airframe by airframe: load, then reactive control, then what it decides.
+    /// A part, airframe by airframe: load, then reactive control, then what it decides.
     fn all(
         &mut self,
         shard: Option<Shard>,

@@ -1,7 +1,5 @@
 //! Plans by name: which flights a campaign has.
 
-use reflex::config::AIRFRAME;
-
 use super::sortie::{Role, Sortie, Tier, Tunable};
 use super::tuning;
 use crate::refusal::Refusal;
@@ -10,7 +8,7 @@ use crate::refusal::Refusal;
 pub const NAMES: [&str; 2] = ["paper", "smoke"];
 /// Most seeds of a plan.
 pub const MOST_SEEDS: u32 = 10_000;
-/// Rates of time-triggered control that the processor's load is worked out from, Hz.
+/// Rates of time-triggered control that the load is worked out from, Hz.
 pub const LOAD_RATES_HZ: [u32; 2] = [100, 400];
 /// The rate of time-triggered control that the paper compares with, Hz.
 pub const USUAL_HZ: u32 = 400;
@@ -46,7 +44,7 @@ pub struct Plan {
     pub duration_s: u32,
     /// Airframe and length in s of the flights whose rate is shown over time.
     pub long: (String, u32),
-    /// Emulated flights that load is measured with, s each; none where nothing is emulated.
+    /// Length of emulated flights, s; none where nothing is emulated.
     pub emulated_s: Option<u32>,
 }
 
@@ -118,46 +116,6 @@ impl Plan {
         let more = u64::from(self.seeds.saturating_sub(settled));
         let each = seconds(&with(settled + 1)) - seconds(&with(settled));
         (few + more * each) as f64 / 3600.0
-    }
-
-    /// What Bregu et al. 2016 flew for eight months, section 7: 260 hours and more.
-    fn paper() -> Self {
-        Self {
-            name: "paper".into(),
-            environments: owned(&["lab", "rugby", "arch"]),
-            airframes: owned(&["quad_x", "hexa_x", "y6"]),
-            logics: owned(&["arducopter", "openpilot", "cleanflight"]),
-            seeds: 40,
-            sweep_seeds: 20,
-            tuned_seeds: 20,
-            rates_hz: vec![12, 25, 50, 100, 200, 1000],
-            sweep_logic: "arducopter".into(),
-            p_runs: vec![200, 300, 400, 500, 700, 800],
-            failsafes: vec![10, 50, 200, 300],
-            duration_s: 100,
-            long: ("hexa_x".into(), 600),
-            emulated_s: Some(30),
-        }
-    }
-
-    /// Every kind of flight once or twice, in a minute.
-    fn smoke() -> Self {
-        Self {
-            name: "smoke".into(),
-            environments: owned(&["lab", "arch"]),
-            airframes: owned(&[AIRFRAME]),
-            logics: owned(&["arducopter"]),
-            seeds: 2,
-            sweep_seeds: 2,
-            tuned_seeds: 0,
-            rates_hz: vec![25],
-            sweep_logic: "arducopter".into(),
-            p_runs: vec![300],
-            failsafes: vec![200],
-            duration_s: 30,
-            long: (AIRFRAME.into(), 40),
-            emulated_s: Some(16),
-        }
     }
 
     /// The same without emulated flights, and so without equal processor time.
@@ -302,7 +260,7 @@ impl Plan {
         Unit(flights.into_iter().filter_map(sortie).collect())
     }
 
-    /// Where a cell stands in tables: by logic, environment and airframe, as the plan lists them.
+    /// Where a cell stands in tables: by logic, environment, airframe as planned.
     #[must_use]
     pub fn place(&self, [environment, airframe, logic]: [&str; 3]) -> [Option<usize>; 3] {
         let within = |names: &[String], name: &str| names.iter().position(|it| it == name);
@@ -334,10 +292,6 @@ impl Unit {
             .map(|sortie| u64::from(sortie.duration_s))
             .sum()
     }
-}
-
-fn owned(names: &[&str]) -> Vec<String> {
-    names.iter().map(|name| (*name).to_owned()).collect()
 }
 
 #[cfg(test)]

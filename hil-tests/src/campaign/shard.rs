@@ -6,7 +6,7 @@ use std::str::FromStr;
 use super::plan::{Plan, Unit};
 use super::sortie::{Role, Sortie, Tier};
 
-/// How much longer a second of emulated flight takes than a native one, for equal parts.
+/// How much longer a second of emulated flight takes than a native one.
 const EMULATED_WEIGHT: u64 = 150;
 
 /// One of a campaign's equal parts.
@@ -19,7 +19,7 @@ pub struct Shard {
 }
 
 impl Plan {
-    /// The flights of a part, in order; flights that others wait for belong to it, whoever owns them.
+    /// The flights of a part, with those that they wait for, whoever owns these.
     #[must_use]
     pub fn part(&self, shard: Option<Shard>) -> BTreeSet<Sortie> {
         let own: BTreeSet<Sortie> = match shard {

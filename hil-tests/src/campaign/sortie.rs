@@ -13,11 +13,13 @@ use serde::{Deserialize, Serialize};
 use crate::closed_loop::{FlyOptions, Mission, Stress};
 use crate::logics::LogicName;
 
-/// The scored part begins here, s from take-off, whoever flies: up, and done with learning.
+/// The scored part begins here, s from take-off, whoever flies.
 pub const SCORED_FROM_S: u32 = 15;
 /// The same in the hovering flights that margins are seen in.
 pub const HOVERS_FROM_S: u32 = 10;
-/// Slowest and fastest periodic control, us: below 11 Hz the failsafe would run control instead.
+/// Shortest and longest period of time-triggered control, us.
+///
+/// Below 11 Hz the failsafe would run control in its place.
 pub const PERIODS_US: [u64; 2] = [1_000, 90_909];
 
 /// What flies: the firmware on the emulated board, or the same code natively.
@@ -123,7 +125,7 @@ impl Role {
     }
 }
 
-/// A flight that a plan has; nothing else decides what comes of it but [`Job::period_us`].
+/// A flight of a plan: what comes of it follows from this and [`Job::period_us`].
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Sortie {
     /// What flies.

@@ -1,4 +1,4 @@
-//! `flights.parquet`: a row for every flight, with all that its job and its report say.
+//! `flights.parquet`: a row for every flight, with all that is known of it.
 //!
 //! Columns that may have no value are null there. `per_second` is a list: runs of each second.
 //! The same flights give the same bytes: rows are in the order of sorties, and nothing of the day
@@ -270,7 +270,7 @@ fn optional<T>(rows: impl Iterator<Item = Option<T>>) -> (Vec<T>, Vec<i16>) {
     (values, levels)
 }
 
-/// All values of all lists; for each whether it is one, and whether it goes on with a list.
+/// All values of all lists; for each whether it is one, and goes on with a list.
 fn lists(rows: &[Vec<i32>]) -> (Vec<i32>, [Vec<i16>; 2]) {
     let (mut values, mut defined, mut repeated) = (Vec::new(), Vec::new(), Vec::new());
     for row in rows {

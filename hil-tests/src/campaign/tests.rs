@@ -250,7 +250,7 @@ fn a_report_of_nothing_or_of_another_plan_is_refused() {
     assert!(refused(&smoke, "paper").contains("its journals are of plan smoke, not of paper"));
 }
 
-/// Pitch errors 0.9 and 0.7 against 1 and 1: 10 and 30 % better, mean 20, t = 12.7062.
+/// Pitch errors 0.9 and 0.7 against 1: 10 and 30 % better, mean 20, t 12.7062.
 #[test]
 fn improvements_are_those_of_pairs_and_crashes_are_counted_and_in_no_mean() {
     let mut text = String::new();

@@ -22,7 +22,7 @@ pub struct Axis {
     pub title: String,
     /// How values are spread along it.
     pub scale: Scale,
-    /// Names of the values 0, 1 and so on, in place of numbers; none for an axis of numbers.
+    /// Names of the values 0, 1 and so on; none for an axis of numbers.
     pub names: Vec<String>,
 }
 
@@ -58,7 +58,7 @@ impl Axis {
         }
     }
 
-    /// An axis of named places, the first at 0, each one further; all of them are shown.
+    /// An axis of named places at 0, 1 and so on; all of them are shown.
     pub fn of_names(title: impl Into<String>, names: Vec<String>) -> Self {
         Self {
             names,

@@ -102,7 +102,7 @@ fn improvements(
     panels.collect()
 }
 
-/// Rows against each way of time-triggered control that was flown; the paper's numbers in its own.
+/// Rows against each way of time-triggered control that was flown.
 fn against_each(
     plan: &Plan,
     findings: &Findings,
