@@ -18,6 +18,7 @@
 mod desired;
 mod emulated;
 mod felt;
+mod flight;
 mod measures;
 mod mission;
 mod native;
@@ -25,45 +26,27 @@ mod outer_loop;
 pub mod plot;
 pub mod report;
 mod station;
+mod telling;
 #[cfg(test)]
 mod tests;
 mod tier;
 pub mod track;
 mod world;
 
-use std::num::NonZeroU64;
-use std::sync::Arc;
-
-use anyhow::{Context, Result};
-use reflex::graph::ControlLogic;
-use reflex::reactive::Phase;
-use reflex::settings::{Policy, Settings};
+use anyhow::Result;
+use reflex::settings::Settings;
 use reflex_config::Airframe;
 use reflex_config::plant::{Environment, Vehicle};
 
-use crate::chips::{ChipOptions, StimulusSource};
 use crate::firmware::Firmware;
 use crate::logics::LogicName;
 use crate::progress::Progress;
 
-use desired::Desired;
-use emulated::EmulatedTier;
-use measures::Measures;
+use flight::Flight;
 pub use mission::Mission;
-use mission::{Course, Target};
-use native::NativeTier;
-use report::{AxisErrors, Control, CrashReport, FlightReport};
-use station::{Station, TAKE_OFF_NS};
-use tier::{Tier, update_period_ns};
-use track::{KEPT_NS, Moment};
-use world::{LONGEST_STEP_NS, World};
+use report::FlightReport;
+use track::Moment;
 
-/// Time between two looks of mission, ground station and measures, ns.
-const LOOK_NS: u64 = 10_000_000;
-/// The scored part begins this long behind take-off at the soonest, s: the drone is up by then.
-const UP_S: f64 = 10.0;
-/// What is left in the battery where flight time ends (Bregu et al. 2016, section 7.1).
-const RESERVE: f64 = 0.2;
 /// Seconds between two words to a progress bar.
 const TOLD_S: f64 = 0.5;
 
@@ -164,7 +147,7 @@ pub fn fly(
         }
     }
     let track = std::mem::take(&mut flight.track);
-    let report = flight.tell(scene, options, flyer)?;
+    let report = flight.tell(scene, flyer)?;
     Ok(Flown { report, track })
 }
 
@@ -175,279 +158,4 @@ pub struct Flown {
     pub report: FlightReport,
     /// The drone every 0.1 s from take-off.
     pub track: Vec<Moment>,
-}
-
-/// A flight under way.
-struct Flight<'o> {
-    options: &'o FlyOptions,
-    world: World,
-    tier: Box<dyn Tier>,
-    course: Course,
-    station: Station,
-    measures: Measures,
-    track: Vec<Moment>,
-    scored: Option<Scored>,
-    now_ns: u64,
-    end_ns: u64,
-    step_ns: u64,
-    applied: Vec<tier::Applied>,
-    runs: Vec<tier::TimedRan>,
-}
-
-/// How things stood where the scored part began.
-struct Scored {
-    from_ns: u64,
-    energy_j: f64,
-    charge: f64,
-    wind_sum: f64,
-    looks: u64,
-}
-
-impl<'o> Flight<'o> {
-    fn new(scene: &Scene, options: &'o FlyOptions, flyer: Flyer<'_>) -> Result<Self> {
-        let seed = u64::from(options.settings.seed);
-        let mut vehicle = scene.vehicle.clone();
-        vehicle.inertia_kg_m2 = vehicle.inertia_kg_m2.map(|axis| axis / options.stress.gain);
-        let world = World::new((&vehicle, &scene.airframe), &scene.environment, seed)?;
-        let source: Arc<dyn StimulusSource> = Arc::clone(&world.felt) as _;
-        let told = (options.settings, options.logic);
-        let chips = ChipOptions {
-            seed,
-            noise: true,
-            ..ChipOptions::default()
-        };
-        let tier: Box<dyn Tier> = match flyer {
-            Flyer::Native => Box::new(NativeTier::boot(told, &source, chips)),
-            Flyer::Emulated(firmware, mhz) => {
-                let speed = NonZeroU64::new(u64::from(mhz) * 1_000_000).context("no clock")?;
-                Box::new(EmulatedTier::boot(firmware, told, &source, chips, speed)?)
-            }
-        };
-        let flies_to_goals = options.logic.logic().flies_to_goals();
-        Ok(Self {
-            options,
-            world,
-            tier,
-            course: Course::new(options.mission, scene.environment.area_m, seed),
-            station: Station::new(flies_to_goals, &scene.environment.position, seed),
-            measures: Measures::default(),
-            track: Vec::new(),
-            scored: None,
-            now_ns: 0,
-            end_ns: TAKE_OFF_NS + (options.duration_s * 1e9) as u64,
-            step_ns: update_period_ns(options.settings.motors).min(LONGEST_STEP_NS / 2),
-            applied: Vec::new(),
-            runs: Vec::new(),
-        })
-    }
-
-    fn goes_on(&self) -> bool {
-        self.now_ns < self.end_ns && self.end().is_none()
-    }
-
-    fn since_take_off_s(&self) -> f64 {
-        (self.now_ns as f64 - TAKE_OFF_NS as f64) * 1e-9
-    }
-
-    fn step(&mut self) -> Result<()> {
-        let next_ns = self.next_ns();
-        self.world.advance_to(next_ns)?;
-        self.tier.run_until(next_ns)?;
-        let passes = |mark_ns: u64| next_ns / mark_ns > self.now_ns / mark_ns;
-        let (looks, keeps) = (passes(LOOK_NS), passes(KEPT_NS));
-        self.now_ns = next_ns;
-        self.tier.take(&mut self.applied, &mut self.runs);
-        let delay_ns = (self.options.stress.delay_s * 1e9) as u64;
-        for mut applied in self.applied.drain(..) {
-            applied.at_ns += delay_ns;
-            self.world.command(applied);
-        }
-        for (at_ns, ran) in self.runs.drain(..) {
-            let since_s = (at_ns as f64 - TAKE_OFF_NS as f64) * 1e-9;
-            let scored = self.scored.is_some();
-            let quantum = self.options.settings.quantum;
-            self.measures.ran(&ran, since_s, scored, quantum);
-        }
-        if looks {
-            self.look(keeps && next_ns >= TAKE_OFF_NS);
-        }
-        Ok(())
-    }
-
-    /// Where the next step ends: at an update event of the motors' timers, and before any command
-    /// applies that is not given yet.
-    fn next_ns(&self) -> u64 {
-        let offset_ns = self.tier.update_offset_ns() % self.step_ns;
-        let begun = (self.now_ns + self.step_ns - offset_ns) / self.step_ns;
-        let next_ns = (begun * self.step_ns + offset_ns).max(self.now_ns + 1);
-        let soonest_ns = self.tier.soonest_command_ns();
-        let further_ns = (next_ns + self.step_ns).min(self.now_ns + LONGEST_STEP_NS);
-        if further_ns <= soonest_ns {
-            further_ns
-        } else {
-            next_ns
-        }
-    }
-
-    /// Mission, ground station and measures, each with the drone as it is now.
-    fn look(&mut self, keeps: bool) {
-        let state = self.world.state();
-        let (position, velocity) = (state.position, state.velocity);
-        if self.now_ns >= TAKE_OFF_NS {
-            self.course.advance(LOOK_NS as f64 * 1e-9, &position);
-        }
-        let target = self.course.target();
-        let frames = self
-            .station
-            .speak(self.now_ns, (&position, &velocity), &target);
-        for frame in frames {
-            self.tier.transmit(frame);
-        }
-        let desired = self.tier.desired();
-        if keeps {
-            self.keep(&target, &desired);
-        }
-        self.judge(&target, &desired);
-    }
-
-    fn keep(&mut self, target: &Target, desired: &Desired) {
-        let angles = self.world.angles();
-        self.track.push(Moment {
-            at_s: self.since_take_off_s(),
-            position: self.world.state().position,
-            target: target.position,
-            angles_deg: angles.map(f64::to_degrees),
-            off_deg: desired.less(angles).map(|off| off.map(f64::to_degrees)),
-            wind_m_s: self.world.air.norm(),
-        });
-    }
-
-    fn judge(&mut self, target: &Target, desired: &Desired) {
-        let state = self.world.state();
-        if self.scored.is_none() && self.begins_to_count() {
-            self.scored = Some(Scored {
-                from_ns: self.now_ns,
-                energy_j: state.energy_used,
-                charge: state.state_of_charge,
-                wind_sum: 0.0,
-                looks: 0,
-            });
-        }
-        let Some(scored) = &mut self.scored else {
-            return;
-        };
-        scored.wind_sum += self.world.air.norm();
-        scored.looks += 1;
-        let state = self.world.state();
-        let (position, rates) = (state.position, state.rates);
-        let angles = self.world.angles();
-        self.measures.look(desired, angles, (target, &position));
-        self.measures.turning.add(rates.norm());
-    }
-
-    fn begins_to_count(&self) -> bool {
-        match self.options.scored_from_s {
-            Some(from_s) => self.since_take_off_s() >= from_s,
-            None => self.since_take_off_s() >= UP_S && self.tier.phase() != Phase::WarmUp,
-        }
-    }
-
-    fn tell(self, scene: &Scene, options: &FlyOptions, flyer: Flyer<'_>) -> Result<FlightReport> {
-        let crash = self.crash();
-        let duration_s = self.since_take_off_s().max(0.0);
-        let state = self.world.state();
-        let (energy_j, charge) = (state.energy_used, state.state_of_charge);
-        let whole = self.scored.as_ref().filter(|_| crash.is_none());
-        let length_s = whole.map(|scored| (self.now_ns - scored.from_ns) as f64 * 1e-9);
-        let power_w = whole
-            .zip(length_s)
-            .map(|(scored, length_s)| (energy_j - scored.energy_j) / length_s);
-        let flight_time_s = whole
-            .zip(length_s)
-            .map(|(scored, length_s)| (1.0 - RESERVE) * length_s / (scored.charge - charge));
-        let degrees = |axis: usize| {
-            let error = self.measures.attitude[axis].value()?;
-            whole.map(|_| error.to_degrees())
-        };
-        let runs = self.measures.runs();
-        let share = 1.0 - self.measures.changed as f64 / runs as f64;
-        let control = Control {
-            rate_hz: length_s.map(|length_s| runs as f64 / length_s),
-            runs,
-            unchanged_share: (runs > 0).then_some(share),
-            by_reason: self.measures.by_reason,
-            per_second: self.measures.per_second.clone(),
-        };
-        let errors = AxisErrors {
-            roll: degrees(0),
-            pitch: degrees(1),
-            yaw: degrees(2),
-        };
-        let position_error_m = whole.and_then(|_| self.measures.position.value());
-        let wind_m_s = whole.map(|scored| scored.wind_sum / scored.looks as f64);
-        let scored_from_s =
-            (self.scored.as_ref()).map(|scored| (scored.from_ns - TAKE_OFF_NS) as f64 * 1e-9);
-        let from_ns = self.scored.as_ref().map_or(0, |scored| scored.from_ns);
-        let (cpu, digest) = self.tier.finish(from_ns)?;
-        let (tier, clock_mhz) = match flyer {
-            Flyer::Native => ("native", 168),
-            Flyer::Emulated(_, mhz) => ("emulated", mhz),
-        };
-        let (policy, rate_hz) = match options.settings.policy {
-            Policy::Reactive => ("reactive", None),
-            Policy::Periodic(period) => ("periodic", Some(1e6 / period.ticks() as f64)),
-        };
-        Ok(FlightReport {
-            environment: scene.environment_name.clone(),
-            airframe: reflex::config::AIRFRAME.to_owned(),
-            bandwidth: (f64::from(reflex::config::BANDWIDTH) * 100.0).round() / 100.0,
-            logic: options.logic.word().to_owned(),
-            mission: options.mission.name().to_owned(),
-            tier: tier.to_owned(),
-            policy: policy.to_owned(),
-            rate_hz,
-            clock_mhz,
-            seed: options.settings.seed,
-            duration_s,
-            scored_from_s,
-            crashed: crash.is_some(),
-            crash,
-            attitude_error_deg: errors,
-            position_error_m,
-            turning_rad_s: whole.and_then(|_| self.measures.turning.value()),
-            control,
-            cpu,
-            energy_j,
-            energy_per_minute_j: power_w.map(|power| power * 60.0),
-            flight_time_s,
-            wind_m_s,
-            digest,
-        })
-    }
-
-    /// What ended the flight before its time, and when in ns.
-    fn end(&self) -> Option<(u64, String)> {
-        let drone = self.world.drone();
-        let crash = drone.crash().map(|crash| {
-            let tilt = crash.tilt.to_degrees();
-            let what = format!(
-                "hit the ground at {:.1} m/s, tilted by {tilt:.0} degrees,",
-                crash.speed
-            );
-            (crash.at_ns, what)
-        });
-        crash.or_else(|| Some((drone.upset()?, "turned over".to_owned())))
-    }
-
-    fn crash(&self) -> Option<CrashReport> {
-        let (at_ns, what) = self.end()?;
-        let state = self.world.state();
-        Some(CrashReport {
-            at_s: (at_ns as f64 - TAKE_OFF_NS as f64) * 1e-9,
-            what,
-            position_m: state.position.into(),
-            velocity_m_s: state.velocity.into(),
-            attitude_deg: self.world.angles().map(f64::to_degrees),
-        })
-    }
 }

@@ -4,6 +4,7 @@ use super::*;
 use crate::firmware::Firmware;
 use crate::progress::Silent;
 use clap::ValueEnum;
+use reflex::settings::Policy;
 use reflex::time::micros;
 
 /// A short flight of a logic, natively.

@@ -1,0 +1,215 @@
+//! A flight under way: world and autopilot in lockstep, looked at every 10 ms.
+
+use std::num::NonZeroU64;
+use std::sync::Arc;
+
+use anyhow::{Context, Result};
+use reflex::graph::ControlLogic;
+use reflex::reactive::Phase;
+
+use super::desired::Desired;
+use super::emulated::EmulatedTier;
+use super::measures::Measures;
+use super::mission::{Course, Target};
+use super::native::NativeTier;
+use super::station::{Station, TAKE_OFF_NS};
+use super::tier::{Applied, Tier, TimedRan, update_period_ns};
+use super::track::{KEPT_NS, Moment};
+use super::world::{LONGEST_STEP_NS, World};
+use super::{FlyOptions, Flyer, Scene};
+use crate::chips::{ChipOptions, StimulusSource};
+
+/// Time between two looks of mission, ground station and measures, ns.
+const LOOK_NS: u64 = 10_000_000;
+/// The scored part begins this long behind take-off at the soonest, s: the drone is up by then.
+const UP_S: f64 = 10.0;
+
+/// A flight under way.
+pub(super) struct Flight<'o> {
+    pub(super) options: &'o FlyOptions,
+    pub(super) world: World,
+    pub(super) tier: Box<dyn Tier>,
+    course: Course,
+    station: Station,
+    pub(super) measures: Measures,
+    pub(super) track: Vec<Moment>,
+    pub(super) scored: Option<Scored>,
+    pub(super) now_ns: u64,
+    end_ns: u64,
+    step_ns: u64,
+    applied: Vec<Applied>,
+    runs: Vec<TimedRan>,
+}
+
+/// How things stood where the scored part began.
+pub(super) struct Scored {
+    pub(super) from_ns: u64,
+    pub(super) energy_j: f64,
+    pub(super) charge: f64,
+    pub(super) wind_sum: f64,
+    pub(super) looks: u64,
+}
+
+impl<'o> Flight<'o> {
+    pub(super) fn new(scene: &Scene, options: &'o FlyOptions, flyer: Flyer<'_>) -> Result<Self> {
+        let seed = u64::from(options.settings.seed);
+        let mut vehicle = scene.vehicle.clone();
+        vehicle.inertia_kg_m2 = vehicle.inertia_kg_m2.map(|axis| axis / options.stress.gain);
+        let world = World::new((&vehicle, &scene.airframe), &scene.environment, seed)?;
+        let source: Arc<dyn StimulusSource> = Arc::clone(&world.felt) as _;
+        let told = (options.settings, options.logic);
+        let chips = ChipOptions {
+            seed,
+            noise: true,
+            ..ChipOptions::default()
+        };
+        let tier: Box<dyn Tier> = match flyer {
+            Flyer::Native => Box::new(NativeTier::boot(told, &source, chips)),
+            Flyer::Emulated(firmware, mhz) => {
+                let speed = NonZeroU64::new(u64::from(mhz) * 1_000_000).context("no clock")?;
+                Box::new(EmulatedTier::boot(firmware, told, &source, chips, speed)?)
+            }
+        };
+        let flies_to_goals = options.logic.logic().flies_to_goals();
+        Ok(Self {
+            options,
+            world,
+            tier,
+            course: Course::new(options.mission, scene.environment.area_m, seed),
+            station: Station::new(flies_to_goals, &scene.environment.position, seed),
+            measures: Measures::default(),
+            track: Vec::new(),
+            scored: None,
+            now_ns: 0,
+            end_ns: TAKE_OFF_NS + (options.duration_s * 1e9) as u64,
+            step_ns: update_period_ns(options.settings.motors).min(LONGEST_STEP_NS / 2),
+            applied: Vec::new(),
+            runs: Vec::new(),
+        })
+    }
+
+    pub(super) fn goes_on(&self) -> bool {
+        self.now_ns < self.end_ns && self.end().is_none()
+    }
+
+    pub(super) fn since_take_off_s(&self) -> f64 {
+        (self.now_ns as f64 - TAKE_OFF_NS as f64) * 1e-9
+    }
+
+    pub(super) fn step(&mut self) -> Result<()> {
+        let next_ns = self.next_ns();
+        self.world.advance_to(next_ns)?;
+        self.tier.run_until(next_ns)?;
+        let passes = |mark_ns: u64| next_ns / mark_ns > self.now_ns / mark_ns;
+        let (looks, keeps) = (passes(LOOK_NS), passes(KEPT_NS));
+        self.now_ns = next_ns;
+        self.tier.take(&mut self.applied, &mut self.runs);
+        let delay_ns = (self.options.stress.delay_s * 1e9) as u64;
+        for mut applied in self.applied.drain(..) {
+            applied.at_ns += delay_ns;
+            self.world.command(applied);
+        }
+        for (at_ns, ran) in self.runs.drain(..) {
+            let since_s = (at_ns as f64 - TAKE_OFF_NS as f64) * 1e-9;
+            let scored = self.scored.is_some();
+            let quantum = self.options.settings.quantum;
+            self.measures.ran(&ran, since_s, scored, quantum);
+        }
+        if looks {
+            self.look(keeps && next_ns >= TAKE_OFF_NS);
+        }
+        Ok(())
+    }
+
+    /// Where the next step ends: at an update event of the motors' timers, and before any command
+    /// applies that is not given yet.
+    fn next_ns(&self) -> u64 {
+        let offset_ns = self.tier.update_offset_ns() % self.step_ns;
+        let begun = (self.now_ns + self.step_ns - offset_ns) / self.step_ns;
+        let next_ns = (begun * self.step_ns + offset_ns).max(self.now_ns + 1);
+        let soonest_ns = self.tier.soonest_command_ns();
+        let further_ns = (next_ns + self.step_ns).min(self.now_ns + LONGEST_STEP_NS);
+        if further_ns <= soonest_ns {
+            further_ns
+        } else {
+            next_ns
+        }
+    }
+
+    /// Mission, ground station and measures, each with the drone as it is now.
+    fn look(&mut self, keeps: bool) {
+        let state = self.world.state();
+        let (position, velocity) = (state.position, state.velocity);
+        if self.now_ns >= TAKE_OFF_NS {
+            self.course.advance(LOOK_NS as f64 * 1e-9, &position);
+        }
+        let target = self.course.target();
+        let frames = self
+            .station
+            .speak(self.now_ns, (&position, &velocity), &target);
+        for frame in frames {
+            self.tier.transmit(frame);
+        }
+        let desired = self.tier.desired();
+        if keeps {
+            self.keep(&target, &desired);
+        }
+        self.judge(&target, &desired);
+    }
+
+    fn keep(&mut self, target: &Target, desired: &Desired) {
+        let angles = self.world.angles();
+        self.track.push(Moment {
+            at_s: self.since_take_off_s(),
+            position: self.world.state().position,
+            target: target.position,
+            angles_deg: angles.map(f64::to_degrees),
+            off_deg: desired.less(angles).map(|off| off.map(f64::to_degrees)),
+            wind_m_s: self.world.air.norm(),
+        });
+    }
+
+    fn judge(&mut self, target: &Target, desired: &Desired) {
+        let state = self.world.state();
+        if self.scored.is_none() && self.begins_to_count() {
+            self.scored = Some(Scored {
+                from_ns: self.now_ns,
+                energy_j: state.energy_used,
+                charge: state.state_of_charge,
+                wind_sum: 0.0,
+                looks: 0,
+            });
+        }
+        let Some(scored) = &mut self.scored else {
+            return;
+        };
+        scored.wind_sum += self.world.air.norm();
+        scored.looks += 1;
+        let state = self.world.state();
+        let (position, rates) = (state.position, state.rates);
+        let angles = self.world.angles();
+        self.measures.look(desired, angles, (target, &position));
+        self.measures.turning.add(rates.norm());
+    }
+
+    fn begins_to_count(&self) -> bool {
+        match self.options.scored_from_s {
+            Some(from_s) => self.since_take_off_s() >= from_s,
+            None => self.since_take_off_s() >= UP_S && self.tier.phase() != Phase::WarmUp,
+        }
+    }
+
+    /// What ended the flight before its time, and when in ns.
+    pub(super) fn end(&self) -> Option<(u64, String)> {
+        let drone = self.world.drone();
+        let crash = drone.crash().map(|crash| {
+            let tilt = crash.tilt.to_degrees();
+            let what = format!(
+                "hit the ground at {:.1} m/s, tilted by {tilt:.0} degrees,",
+                crash.speed
+            );
+            (crash.at_ns, what)
+        });
+        crash.or_else(|| Some((drone.upset()?, "turned over".to_owned())))
+    }
+}

@@ -1,0 +1,127 @@
+//! From a flight that has ended to its report.
+
+use anyhow::Result;
+use reflex::config::{AIRFRAME, BANDWIDTH};
+use reflex::settings::Policy;
+
+use super::flight::{Flight, Scored};
+use super::report::{AxisErrors, Control, CrashReport, FlightReport};
+use super::station::TAKE_OFF_NS;
+use super::{Flyer, Scene};
+
+/// What is left in the battery where flight time ends (Bregu et al. 2016, section 7.1).
+const RESERVE: f64 = 0.2;
+
+/// The scored part of a flight that was flown to its end.
+struct Whole<'f> {
+    scored: &'f Scored,
+    length_s: f64,
+}
+
+impl Flight<'_> {
+    /// Every number; where there is no scored part, or the flight ended before its time, none is
+    /// made up.
+    ///
+    /// # Errors
+    /// What only the end shows of the firmware.
+    pub(super) fn tell(self, scene: &Scene, flyer: Flyer<'_>) -> Result<FlightReport> {
+        let (options, crash) = (self.options, self.crash());
+        let whole = self.whole().filter(|_| crash.is_none());
+        let state = self.world.state();
+        let energy_j = state.energy_used;
+        let power_w = whole
+            .as_ref()
+            .map(|whole| (energy_j - whole.scored.energy_j) / whole.length_s);
+        let flight_time_s = whole.as_ref().map(|whole| {
+            let charge_per_s = (whole.scored.charge - state.state_of_charge) / whole.length_s;
+            (1.0 - RESERVE) / charge_per_s
+        });
+        let wind_m_s = whole
+            .as_ref()
+            .map(|whole| whole.scored.wind_sum / whole.scored.looks as f64);
+        let is_whole = whole.is_some();
+        let attitude_error_deg = self.errors(is_whole);
+        let position_error_m = self.measures.position.value().filter(|_| is_whole);
+        let turning_rad_s = self.measures.turning.value().filter(|_| is_whole);
+        let control = self.control(whole.map(|whole| whole.length_s));
+        let duration_s = self.since_take_off_s().max(0.0);
+        let from_ns = self.scored.as_ref().map(|scored| scored.from_ns);
+        let (cpu, digest) = self.tier.finish(from_ns.unwrap_or_default())?;
+        let (tier, clock_mhz) = match flyer {
+            Flyer::Native => ("native", 168),
+            Flyer::Emulated(_, mhz) => ("emulated", mhz),
+        };
+        let (policy, rate_hz) = match options.settings.policy {
+            Policy::Reactive => ("reactive", None),
+            Policy::Periodic(period) => ("periodic", Some(1e6 / period.ticks() as f64)),
+        };
+        Ok(FlightReport {
+            environment: scene.environment_name.clone(),
+            airframe: AIRFRAME.to_owned(),
+            bandwidth: (f64::from(BANDWIDTH) * 100.0).round() / 100.0,
+            logic: options.logic.word().to_owned(),
+            mission: options.mission.name().to_owned(),
+            tier: tier.to_owned(),
+            policy: policy.to_owned(),
+            rate_hz,
+            clock_mhz,
+            seed: options.settings.seed,
+            duration_s,
+            scored_from_s: from_ns.map(since_take_off_s),
+            crashed: crash.is_some(),
+            crash,
+            attitude_error_deg,
+            position_error_m,
+            turning_rad_s,
+            control,
+            cpu,
+            energy_j,
+            energy_per_minute_j: power_w.map(|power| power * 60.0),
+            flight_time_s,
+            wind_m_s,
+            digest,
+        })
+    }
+
+    fn whole(&self) -> Option<Whole<'_>> {
+        let scored = self.scored.as_ref()?;
+        let length_s = (self.now_ns - scored.from_ns) as f64 * 1e-9;
+        (length_s > 0.0).then_some(Whole { scored, length_s })
+    }
+
+    fn errors(&self, is_whole: bool) -> AxisErrors {
+        let [roll, pitch, yaw] = self.measures.attitude.map(|rms| {
+            let error = rms.value().filter(|_| is_whole)?;
+            Some(error.to_degrees())
+        });
+        AxisErrors { roll, pitch, yaw }
+    }
+
+    fn control(&self, length_s: Option<f64>) -> Control {
+        let runs = self.measures.runs();
+        let changed = self.measures.changed as f64 / runs as f64;
+        Control {
+            rate_hz: length_s.map(|length_s| runs as f64 / length_s),
+            runs,
+            unchanged_share: (runs > 0).then_some(1.0 - changed),
+            by_reason: self.measures.by_reason,
+            per_second: self.measures.per_second.clone(),
+        }
+    }
+
+    fn crash(&self) -> Option<CrashReport> {
+        let (at_ns, what) = self.end()?;
+        let state = self.world.state();
+        Some(CrashReport {
+            at_s: since_take_off_s(at_ns),
+            what,
+            position_m: state.position.into(),
+            velocity_m_s: state.velocity.into(),
+            attitude_deg: self.world.angles().map(f64::to_degrees),
+        })
+    }
+}
+
+fn since_take_off_s(at_ns: u64) -> f64 {
+    (at_ns as f64 - TAKE_OFF_NS as f64) * 1e-9
+}
