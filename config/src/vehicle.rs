@@ -1,4 +1,4 @@
-//! `vehicles/*.toml`: what an airframe weighs and what its motors do, for simulation.
+//! `vehicles/*.toml`: what an airframe weighs and what its motors do, simulated.
 //!
 //! Not part of what the firmware is built from: `cargo hil fly` and `cargo hil campaign` read it.
 //! The arms' directions and the propellers' spins are those of the airframe of the same name.

@@ -1,4 +1,4 @@
-//! What simulations read: every shipped file is whole, and wrong ones name the line.
+//! What simulations read: shipped files are whole, wrong ones name the line.
 
 use std::path::{Path, PathBuf};
 

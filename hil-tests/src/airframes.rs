@@ -1,4 +1,4 @@
-//! This program, built for an airframe, or with faster loops: both are fixed by the build.
+//! This program, built for another airframe or with faster loops.
 //!
 //! The number of motors, their mixer and the gains are constants of the firmware, so each
 //! [`Variant`] has a build of its own, kept beside the others. Only what depends on `reflex` is

@@ -17,6 +17,7 @@ pub mod airframes;
 pub mod board;
 pub mod campaign;
 pub mod chips;
+mod clock;
 pub mod closed_loop;
 pub mod commands;
 pub mod costs;

@@ -1,4 +1,4 @@
-//! The emulated tier in closed loop: the unmodified firmware, and the host that checks it.
+//! The emulated tier in closed loop: unmodified firmware, checked by the host.
 //!
 //! Every call of the firmware is made again on a native autopilot as soon as it is known, and must
 //! come to the same command bit by bit; at the end every timer register must have held it.

@@ -1,4 +1,4 @@
-//! What is flown: a point that moves ahead of the drone, from the ground to where it leads.
+//! What is flown: a point that moves ahead of the drone, from the ground on.
 //!
 //! The point climbs to flying height, then hovers or goes round waypoints. It slows down for
 //! corners, and waits for a drone that falls behind, as the leash of an autopilot's waypoint

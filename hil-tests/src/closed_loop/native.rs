@@ -1,4 +1,4 @@
-//! The native tier in closed loop: chip models, drivers and the autopilot, without a processor.
+//! The native tier in closed loop: chips, drivers, autopilot, no processor.
 
 use std::sync::Arc;
 

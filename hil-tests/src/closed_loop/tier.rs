@@ -1,4 +1,4 @@
-//! What flies the simulated drone: the firmware on its board, or the same code natively.
+//! What flies the simulated drone: firmware on a board, or the same code natively.
 
 use anyhow::Result;
 use reflex::airframe::period_ticks;

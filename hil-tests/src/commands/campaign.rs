@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use chrono::DateTime;
 use clap::Args;
 
 use super::bar::Bar;
 use super::quantities::number;
 use crate::campaign::{self, CampaignOptions, Compared, Findings, Metric, Plan, Programs, Shard};
+use crate::clock;
 use crate::refusal::Refusal;
 use crate::toolchain;
 
@@ -67,7 +67,12 @@ pub(super) fn run(arguments: &CampaignArguments) -> Result<()> {
         plan,
     };
     let mut bar = Bar::new();
-    let findings = campaign::campaign(&options, &mut Programs::default(), &today(), &mut bar);
+    let findings = campaign::campaign(
+        &options,
+        &mut Programs::default(),
+        &clock::today(),
+        &mut bar,
+    );
     bar.finish();
     let findings = findings?;
     let text = if arguments.json {
@@ -81,15 +86,6 @@ pub(super) fn run(arguments: &CampaignArguments) -> Result<()> {
 /// The other end of a campaign: flies what stdin says, and tells of it on stdout.
 pub(super) fn work() -> Result<()> {
     campaign::serve(std::io::stdin().lock(), &mut std::io::stdout().lock())
-}
-
-#[expect(
-    clippy::disallowed_methods,
-    reason = "the date stands in one line of the report, and decides nothing"
-)]
-fn today() -> String {
-    let date = DateTime::from(std::time::SystemTime::now()) as DateTime<chrono::Utc>;
-    date.format("%Y-%m-%d").to_string()
 }
 
 fn summary(findings: &Findings, options: &CampaignOptions) -> String {
