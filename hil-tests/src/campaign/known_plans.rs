@@ -21,7 +21,7 @@ impl Plan {
             failsafes: vec![10, 50, 200, 300],
             duration_s: 100,
             long: ("hexa_x".into(), 600),
-            emulated_s: Some(30),
+            emulated_s: Some(45),
         }
     }
 

@@ -232,9 +232,10 @@ impl Plan {
         };
         let windiest = self.environments.last()?;
         let clock = LOAD_RATES_HZ.map(|hz| sortie(windiest, Role::Periodic(hz)));
-        let reactive = self.environments.iter().flat_map(|environment| {
-            [Role::Reactive, Role::Unforeseen].map(|role| sortie(environment, role))
-        });
+        let reactive = self
+            .environments
+            .iter()
+            .flat_map(|environment| [sortie(environment, Role::Reactive)]);
         Some(Unit(clock.into_iter().chain(reactive).collect()))
     }
 

@@ -17,7 +17,7 @@ use super::desired::Desired;
 use super::report::Cpu;
 use super::tier::{Applied, Tier, TimedRan, throttle, update_period_ns};
 use crate::board::emulated::{EmulatedBoard, Sensors};
-use crate::board::{Board, Elf, Options};
+use crate::board::{Board, Elf, Line, Options};
 use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
 use crate::chips::{ChipOptions, Mpu6050, StimulusSource};
 use crate::firmware::Firmware;
@@ -28,6 +28,11 @@ use crate::replay::alignment::Alignment;
 use crate::replay::observation::Observation;
 use crate::replay::story::LastRan;
 use crate::scoring::MotorDigest;
+
+/// The shortest time between two samples of the MPU6050: 1 ms less its clock's tolerance.
+const SHORTEST_PERIOD_NS: u64 = 950_000 / reflex::config::IMU_RATE as u64 * 1_000;
+/// From a sample's interrupt to the motors at the soonest: its burst of 18 bytes at 400 kHz.
+const SHORTEST_ANSWER_NS: u64 = 400_000;
 
 /// An emulated board with everything that is heard of it.
 pub(super) struct EmulatedTier {
@@ -140,8 +145,15 @@ impl Tier for EmulatedTier {
         })
     }
 
+    /// Between the run that answers a sample and the next sample's there is time; a run of the
+    /// failsafe's timer in it would come late by half a step.
     fn soonest_command_ns(&self) -> u64 {
-        0
+        let samples = &self.observation.edges[Line::ImuReady.pin() as usize];
+        let newest_ns = samples.last().copied().unwrap_or_default();
+        let answered = self.observation.motors.last();
+        let answered = answered.is_some_and(|write| write.at_ns >= newest_ns);
+        let sample_ns = newest_ns + if answered { SHORTEST_PERIOD_NS } else { 0 };
+        sample_ns + SHORTEST_ANSWER_NS
     }
 
     fn finish(self: Box<Self>, from_ns: u64) -> Result<(Option<Cpu>, String)> {

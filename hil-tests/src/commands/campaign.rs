@@ -38,6 +38,9 @@ pub(super) struct CampaignArguments {
     /// Folder of journals, tables and report [default: target/hil/campaign/NAME]
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
+    /// Leave the emulated board out, and with it equal processor time
+    #[arg(long)]
+    native: bool,
     /// Print what was found as one JSON object instead of a summary
     #[arg(long)]
     json: bool,
@@ -51,6 +54,11 @@ pub(super) fn run(arguments: &CampaignArguments) -> Result<()> {
     let plan = match arguments.hours {
         Some(hours) => Plan::for_hours(&arguments.name, hours)?,
         None => Plan::named(&arguments.name, arguments.seeds)?,
+    };
+    let plan = if arguments.native {
+        plan.native()
+    } else {
+        plan
     };
     if arguments
         .out

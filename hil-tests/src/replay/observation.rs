@@ -15,7 +15,7 @@ use crate::board::{Edge, Hit, Line, LogLine, MotorWrite, Observer};
 pub(crate) struct Observation {
     pub(crate) motors: Vec<MotorWrite>,
     /// Rising edges of each line, in ns.
-    pub(super) edges: [Vec<u64>; Line::ALL.len()],
+    pub(crate) edges: [Vec<u64>; Line::ALL.len()],
     /// When each of the watched handlers was entered, in ns.
     pub(super) entries: [Vec<u64>; HANDLERS.len()],
     pub(crate) calls: Vec<Stamped>,
