@@ -4,7 +4,7 @@
 //! [`Variant`] has a build of its own, kept beside the others. Only what depends on `reflex` is
 //! built again; the emulator is not.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
@@ -71,7 +71,8 @@ pub fn names() -> Result<Vec<String>> {
 pub fn program(variant: &Variant, progress: &mut dyn Progress) -> Result<Command> {
     let number = number(variant)?;
     let path = if variant.built_in() {
-        env::current_exe()?
+        // A copy, as the next build of another variant takes this program's name.
+        keep(variant, &env::current_exe()?)?
     } else {
         progress.stage(&format!("Building for {}", variant.name()));
         build(variant, number, progress)?
@@ -136,12 +137,23 @@ fn build(variant: &Variant, number: usize, progress: &mut dyn Progress) -> Resul
         })
         .last()
         .context("cargo named no program that it built")?;
-    // The next build of any variant takes that name again.
-    let folder = built.with_file_name("variants").join(variant.name());
-    fs::create_dir_all(&folder)?;
-    let kept = folder.join("hil");
+    keep(variant, &built)
+}
+
+/// Copies a program to where no build of another variant takes its place.
+fn keep(variant: &Variant, built: &Path) -> Result<PathBuf> {
+    let kept = toolchain::root()
+        .join("target/hil/variants")
+        .join(variant.name())
+        .join("hil");
+    if built == kept {
+        return Ok(kept);
+    }
+    if let Some(folder) = kept.parent() {
+        fs::create_dir_all(folder)?;
+    }
     let fresh = kept.with_extension("new");
-    fs::copy(&built, &fresh).with_context(|| built.display().to_string())?;
+    fs::copy(built, &fresh).with_context(|| built.display().to_string())?;
     fs::rename(&fresh, &kept)?;
     Ok(kept)
 }

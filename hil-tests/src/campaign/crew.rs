@@ -9,7 +9,7 @@ use std::thread;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::ValueEnum;
-use reflex::config::AIRFRAME;
+use reflex::config::{AIRFRAME, BANDWIDTH};
 use serde::{Deserialize, Serialize};
 
 use super::journal::{self, Landed, Stamp, Ways};
@@ -113,7 +113,7 @@ impl Crew for Here {
         let variant = orders.variant();
         ensure!(
             variant.built_in(),
-            "{}: this program was built for {AIRFRAME}",
+            "{}: this program was built for {AIRFRAME} and a bandwidth of {BANDWIDTH}",
             variant.name()
         );
         let firmware = firmware(&orders.jobs, progress)?;
