@@ -68,10 +68,9 @@ fn the_same_seed_flies_the_same_flight_and_another_seed_another() {
     assert_ne!(first.digest, of(6).digest);
     let periodic = flown("rugby", &options(LogicName::ArduCopter, BY_THE_CLOCK, 5));
     assert!(first.scored_from_s == periodic.scored_from_s);
-    assert_eq!(
-        first.wind_m_s, periodic.wind_m_s,
-        "the wind does not know who flies"
-    );
+    // Looked at within half a millisecond of the same instants; `world` compares the winds exactly.
+    let [here, there] = [&first, &periodic].map(|report| report.wind_m_s.unwrap());
+    assert!((here / there - 1.0).abs() < 1e-4, "{here} {there}");
 }
 
 /// A crash is no number: where the scored part would be, there is nothing.
