@@ -9,10 +9,10 @@ use std::process::Command;
 use std::{env, fs};
 
 use anyhow::{Context, Result};
-use cargo_metadata::Message;
 use reflex::config::{AIRFRAME, BANDWIDTH};
 use reflex_config::plant::Vehicle;
 
+use crate::firmware::executable;
 use crate::progress::Progress;
 use crate::refusal::Refusal;
 use crate::toolchain;
@@ -127,16 +127,7 @@ fn build(variant: &Variant, number: usize, progress: &mut dyn Progress) -> Resul
         &format!("profile.hil.package.reflex.codegen-units={units}"),
     ]);
     let messages = toolchain::run(&mut build, progress)?;
-    let built = Message::parse_stream(messages.as_slice())
-        .flatten()
-        .filter_map(|message| match message {
-            Message::CompilerArtifact(artifact) if artifact.target.name == "hil" => {
-                artifact.executable.map(PathBuf::from)
-            }
-            _ => None,
-        })
-        .last()
-        .context("cargo named no program that it built")?;
+    let built = executable(&messages, "hil").context("cargo named no program that it built")?;
     keep(variant, &built)
 }
 

@@ -122,7 +122,7 @@ impl Firmware {
 }
 
 /// The path of a binary among cargo's messages.
-fn executable(messages: &[u8], name: &str) -> Option<PathBuf> {
+pub(crate) fn executable(messages: &[u8], name: &str) -> Option<PathBuf> {
     Message::parse_stream(messages)
         .flatten()
         .filter_map(|message| match message {

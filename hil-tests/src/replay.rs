@@ -27,7 +27,6 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::PathBuf;
 
-use reflex::airframe::period_ticks;
 use reflex::settings::MotorProtocol;
 
 use crate::board::Watched;
@@ -39,7 +38,7 @@ use crate::refusal::Refusal;
 use crate::replay_options::ReplayOptions;
 use crate::scoring::{Report, score};
 
-use alignment::{Alignment, TIMER_MHZ};
+use alignment::{Alignment, update_period_ns};
 use bench::HANDLERS;
 pub(crate) use bench::TestBench;
 use observation::Observation;
@@ -127,8 +126,7 @@ pub(crate) fn length_ns(flight: &Flight, options: &ReplayOptions) -> u64 {
 
 /// The timers must beat as the protocol says.
 fn check_motor_period(protocol: MotorProtocol, period_ns: Option<u64>) -> Result<()> {
-    let (clocks_per_tick, ticks) = period_ticks(protocol);
-    let wanted_ns = u64::from(clocks_per_tick) * u64::from(ticks) * 1000 / TIMER_MHZ;
+    let wanted_ns = update_period_ns(protocol);
     if period_ns != Some(wanted_ns) {
         bail!("the motors beat every {period_ns:?} ns, not every {wanted_ns} ns");
     }

@@ -235,7 +235,7 @@ impl Plan {
         let reactive = self
             .environments
             .iter()
-            .flat_map(|environment| [sortie(environment, Role::Reactive)]);
+            .map(|environment| sortie(environment, Role::Reactive));
         Some(Unit(clock.into_iter().chain(reactive).collect()))
     }
 

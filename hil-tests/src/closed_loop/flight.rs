@@ -13,11 +13,12 @@ use super::measures::Measures;
 use super::mission::{Course, Target};
 use super::native::NativeTier;
 use super::station::{Station, TAKE_OFF_NS};
-use super::tier::{Applied, Tier, TimedRan, update_period_ns};
+use super::tier::{Applied, Tier, TimedRan};
 use super::track::{KEPT_NS, Moment};
 use super::world::{LONGEST_STEP_NS, World};
 use super::{FlyOptions, Flyer, Scene};
 use crate::chips::{ChipOptions, StimulusSource};
+use crate::replay::alignment::update_period_ns;
 
 /// Time between two looks of mission, ground station and measures, ns.
 const LOOK_NS: u64 = 10_000_000;

@@ -148,7 +148,7 @@ fn waypoints(side_m: f64, seed: u64) -> Vec<Vector2<f64>> {
 }
 
 /// A number within 0 to 1.
-fn uniform(random: &mut impl Rng) -> f64 {
+pub(super) fn uniform(random: &mut impl Rng) -> f64 {
     (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
 }
 

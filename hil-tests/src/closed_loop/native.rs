@@ -3,19 +3,18 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use reflex::airframe::{period_ticks, ticks};
-use reflex::app::{Call, Ran};
+use reflex::app::Call;
 use reflex::reactive::Phase;
 use reflex::settings::{MotorProtocol, Settings};
 
 use super::desired::Desired;
 use super::report::Cpu;
-use super::tier::{Applied, Tier, TimedRan, throttle, update_period_ns};
+use super::tier::{Applied, Tier, TimedRan, throttle};
 use crate::chips::{ChipOptions, StimulusSource};
 use crate::flights::LinkFrame;
 use crate::logics::LogicName;
 use crate::native::{NativeBoard, RUN_NS, nanos};
-use crate::replay::alignment::TIMER_MHZ;
+use crate::replay::alignment::{pulse_ns, update_period_ns};
 use crate::scoring::MotorDigest;
 
 /// A native board with what the motors' timers would make of its commands.
@@ -38,16 +37,6 @@ impl NativeTier {
             digest: MotorDigest::new(),
         }
     }
-}
-
-/// The pulses of a command, as the timers make them.
-fn pulses(protocol: MotorProtocol, ran: &Ran) -> Vec<u32> {
-    let (clocks_per_tick, _) = period_ticks(protocol);
-    let pulse_ns = |share: &f32| {
-        let clocks = u64::from(ticks(protocol, *share)) * u64::from(clocks_per_tick);
-        (clocks * 1000 / TIMER_MHZ) as u32
-    };
-    ran.shares.iter().map(pulse_ns).collect()
 }
 
 /// The first update event behind the instant at which a command was written, ns.
@@ -74,7 +63,7 @@ impl Tier for NativeTier {
                 continue;
             };
             let written_ns = nanos(stamped.at) + RUN_NS;
-            let pulses = pulses(self.protocol, &ran);
+            let pulses = ran.shares.map(|share| pulse_ns(self.protocol, share));
             self.digest.write(written_ns, &pulses);
             let throttles = pulses.iter().map(|pulse| throttle(self.protocol, *pulse));
             applied.push(Applied {

@@ -1,7 +1,6 @@
 //! What flies the simulated drone: firmware on a board, or the same code natively.
 
 use anyhow::Result;
-use reflex::airframe::period_ticks;
 use reflex::app::Ran;
 use reflex::reactive::Phase;
 use reflex::settings::MotorProtocol;
@@ -9,7 +8,6 @@ use reflex::settings::MotorProtocol;
 use super::desired::Desired;
 use super::report::Cpu;
 use crate::flights::LinkFrame;
-use crate::replay::alignment::TIMER_MHZ;
 
 /// A motor command, from the update event of the timers that applies it.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,12 +54,6 @@ pub(super) trait Tier {
     fn finish(self: Box<Self>, from_ns: u64) -> Result<(Option<Cpu>, String)>;
 }
 
-/// Time between two update events of the motors' timers, ns.
-pub(super) fn update_period_ns(protocol: MotorProtocol) -> u64 {
-    let (clocks_per_tick, ticks) = period_ticks(protocol);
-    u64::from(clocks_per_tick) * u64::from(ticks) * 1000 / TIMER_MHZ
-}
-
 /// The throttle that a speed controller reads from a pulse, 0 to 1; none without a pulse.
 pub(super) fn throttle(protocol: MotorProtocol, pulse_ns: u32) -> Option<f64> {
     let shortest = match protocol {
@@ -74,6 +66,7 @@ pub(super) fn throttle(protocol: MotorProtocol, pulse_ns: u32) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::replay::alignment::update_period_ns;
 
     #[test]
     fn a_pulse_means_the_throttle_of_its_protocol() {

@@ -8,11 +8,12 @@ use anyhow::{Result, anyhow};
 use flight_dynamics::{self as dynamics, Drone, Place, State};
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use rand_chacha::rand_core::SeedableRng;
 use reflex_config::plant::{self, Environment, Vehicle};
 use reflex_config::{Airframe, Spin};
 
 use super::felt::Felt;
+use super::mission::uniform;
 use super::tier::Applied;
 use crate::chips::Stimulus;
 
@@ -203,7 +204,7 @@ fn weather_of(environment: &Environment, seed: u64) -> dynamics::Environment {
     } = environment;
     let mut chance = ChaCha8Rng::seed_from_u64(seed);
     chance.set_stream(STREAM);
-    let aside = (chance.next_u64() >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
+    let aside = 2.0 * uniform(&mut chance) - 1.0;
     let from = (wind.from_deg + aside * wind.spread_deg).to_radians();
     let airspeed = wind.mean_m_s.max(SLOWEST_AIR);
     dynamics::Environment {

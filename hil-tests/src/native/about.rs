@@ -1,6 +1,5 @@
 //! What a native replay says around its score: what both tiers know.
 
-use reflex::airframe::{period_ticks, ticks};
 use reflex::app::{Call, Ran};
 use reflex::settings::MotorProtocol;
 use reflex::time::at_micros;
@@ -11,12 +10,10 @@ use crate::flights::{Flight, Setpoints};
 use crate::replay::about::{
     Known, SampleCount, Seen, accel_threshold, mag_threshold, scored_from_us,
 };
+use crate::replay::alignment::pulse_ns;
 use crate::replay::story::Story;
 use crate::replay_options::ReplayOptions;
 use crate::scoring::{About, MotorDigest, Tier};
-
-/// Timer clocks per microsecond (84 MHz) on the board.
-const TIMER_MHZ: u64 = 84;
 
 /// Tells of a board that flew to its end.
 pub(super) fn tell(
@@ -59,14 +56,10 @@ pub(super) fn tell(
 
 /// The pulses that the commands stand for, at the instants of their runs: no timer wrote them.
 fn digest(runs: &[(u64, Ran)], protocol: MotorProtocol) -> String {
-    let (clocks_per_tick, _) = period_ticks(protocol);
-    let pulse_ns = |share: f32| {
-        let clocks = u64::from(ticks(protocol, share)) * u64::from(clocks_per_tick);
-        (clocks * 1000 / TIMER_MHZ) as u32
-    };
+    let pulse = |share: f32| pulse_ns(protocol, share);
     let mut digest = MotorDigest::new();
     for (at_us, ran) in runs {
-        digest.write(nanos(at_micros(*at_us)), &ran.shares.map(pulse_ns));
+        digest.write(nanos(at_micros(*at_us)), &ran.shares.map(pulse));
     }
     digest.hex()
 }

@@ -13,7 +13,20 @@ use super::observation::Observation;
 use crate::board::Line;
 
 /// Timer clocks per microsecond (84 MHz).
-pub(crate) const TIMER_MHZ: u64 = 84;
+const TIMER_MHZ: u64 = 84;
+
+/// Time between two update events of the motors' timers, ns.
+pub(crate) fn update_period_ns(protocol: MotorProtocol) -> u64 {
+    let (clocks_per_tick, ticks) = period_ticks(protocol);
+    u64::from(clocks_per_tick) * u64::from(ticks) * 1000 / TIMER_MHZ
+}
+
+/// The pulse that the timers make of a share of full scale, ns.
+pub(crate) fn pulse_ns(protocol: MotorProtocol, share: f32) -> u32 {
+    let (clocks_per_tick, _) = period_ticks(protocol);
+    let clocks = u64::from(ticks(protocol, share)) * u64::from(clocks_per_tick);
+    (clocks * 1000 / TIMER_MHZ) as u32
+}
 
 /// A pulse may be this far from the command, in ns: one tick and rounding.
 const PULSE_SLACK_NS: f64 = 60.0;

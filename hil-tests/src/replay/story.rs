@@ -39,7 +39,22 @@ pub(crate) struct Story<'c> {
 
 /// Keeps the newest outcome.
 #[derive(Default)]
-pub(crate) struct LastRan(pub(crate) Option<(Instant, Ran)>);
+pub(crate) struct LastRan(Option<(Instant, Ran)>);
+
+impl LastRan {
+    /// The same calls must have come to the same bits on the host.
+    pub(crate) fn check(&mut self, at: Instant, firmware: &Ran) -> Result<()> {
+        let host = self.0.take();
+        if host == Some((at, *firmware)) {
+            return Ok(());
+        }
+        let seconds = at.ticks() as f64 * 1e-6;
+        bail!(
+            "the same calls gave another command on the host, at {seconds:.6} s of the \
+             firmware's clock: firmware {firmware:?}, host {host:?}"
+        )
+    }
+}
 
 impl Recorder for LastRan {
     fn record(&mut self, at: Instant, call: &Call) {
@@ -124,7 +139,7 @@ impl<'c> Story<'c> {
                     reference.run(stamped.at);
                 }
                 Call::Ran(ran) => {
-                    self.compare(stamped.at, &ran)?;
+                    self.mirror.recorder().check(stamped.at, &ran)?;
                     // Only in reactive control does a change that is seen ask for anything.
                     let asked = !ran.asked.is_empty() && phase == Phase::Reactive;
                     let run = Run {
@@ -187,19 +202,6 @@ impl<'c> Story<'c> {
             self.flight
                 .end_hyperperiod(open.at_us, *reference, open.run);
         }
-    }
-
-    /// The same calls must have come to the same bits on the host.
-    fn compare(&mut self, at: Instant, firmware: &Ran) -> Result<()> {
-        let host = self.mirror.recorder().0.take();
-        if host == Some((at, *firmware)) {
-            return Ok(());
-        }
-        let seconds = at.ticks() as f64 * 1e-6;
-        bail!(
-            "the same calls gave another command on the host, at {seconds:.6} s of the \
-             firmware's clock: firmware {firmware:?}, host {host:?}"
-        )
     }
 
     /// How this flight is judged.
