@@ -6,13 +6,15 @@ use super::plan::Plan;
 
 impl Plan {
     /// What Bregu et al. 2016 flew for eight months, section 7: 260 hours and more.
+    ///
+    /// Their three control logics, and the cascade that Reflex comes with.
     pub(super) fn paper() -> Self {
         Self {
             name: "paper".into(),
             environments: owned(&["lab", "rugby", "arch"]),
             airframes: owned(&["quad_x", "hexa_x", "y6"]),
-            logics: owned(&["arducopter", "openpilot", "cleanflight"]),
-            seeds: 40,
+            logics: owned(&["arducopter", "openpilot", "cleanflight", "cascade"]),
+            seeds: 26,
             sweep_seeds: 20,
             tuned_seeds: 20,
             rates_hz: vec![12, 25, 50, 100, 200, 1000],

@@ -29,8 +29,6 @@ pub struct Load {
     pub airframe: String,
     /// Name of the control logic.
     pub logic: String,
-    /// `reactive` or `unforeseen`.
-    pub role: String,
     /// Busy share of the processor, 0 to 1.
     pub busy: f64,
     /// Runs per second in that flight.
@@ -86,9 +84,9 @@ pub fn period_us(rate_hz: f64) -> u64 {
     }
 }
 
-/// The load of reactive control in a role; none where flights lack.
+/// The load of reactive control in a flight's cell; none where flights lack.
 #[must_use]
-pub fn measured(plan: &Plan, records: &Records, sortie: &Sortie, role: Role) -> Option<Load> {
+pub fn measured(plan: &Plan, records: &Records, sortie: &Sortie) -> Option<Load> {
     let needs = plan.needs(sortie);
     let point = |role: Role| {
         let emulated = needs.iter().find(|need| need.role == role)?;
@@ -97,16 +95,14 @@ pub fn measured(plan: &Plan, records: &Records, sortie: &Sortie, role: Role) -> 
     let [slow, fast] = LOAD_RATES_HZ.map(|hz| point(Role::Periodic(hz)));
     let periodic = Line::through([slow?, fast?])?;
     let reactive = needs.iter().find(|need| need.role == Role::Reactive)?;
-    let reactive = reactive.with(role);
-    let (rate_hz, busy) = seen(records, &reactive)?;
-    let report = &records.flights.get(&reactive)?.report;
+    let (rate_hz, busy) = seen(records, reactive)?;
+    let report = &records.flights.get(reactive)?.report;
     let equal_time_hz = periodic.rate_hz(busy);
     let [environment, airframe, logic] = sortie.cell().map(str::to_owned);
     Some(Load {
         environment,
         airframe,
         logic,
-        role: role.to_string(),
         busy,
         rate_hz,
         learning: learning_share(report).unwrap_or_default(),
@@ -125,12 +121,11 @@ fn seen(records: &Records, emulated: &Sortie) -> Option<(f64, f64)> {
 /// Everything that was measured, in the order of the flights.
 #[must_use]
 pub fn all(plan: &Plan, records: &Records) -> Vec<Load> {
-    let emulated = records.flights.keys().filter(|sortie| {
-        let is_reactive = matches!(sortie.role, Role::Reactive | Role::Unforeseen);
-        sortie.tier == Tier::Emulated && is_reactive
-    });
-    emulated
-        .filter_map(|sortie| measured(plan, records, sortie, sortie.role))
+    let sorties = records.flights.keys();
+    let reactive =
+        sorties.filter(|sortie| sortie.tier == Tier::Emulated && sortie.role == Role::Reactive);
+    reactive
+        .filter_map(|sortie| measured(plan, records, sortie))
         .collect()
 }
 

@@ -226,7 +226,7 @@ impl Flying<'_> {
                 Some(load::period_us(reactive.report.control.rate_hz?))
             }
             Role::EqualTime => {
-                let load = load::measured(self.plan, records, sortie, Role::Reactive)?;
+                let load = load::measured(self.plan, records, sortie)?;
                 Some(load.period_us())
             }
             Role::Margin(Tunable::Usual, ..) | Role::Tuned(Tunable::Usual) => {

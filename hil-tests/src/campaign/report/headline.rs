@@ -146,7 +146,7 @@ fn effort(findings: &Findings) -> Markup {
     let mean = |values: Vec<f64>| Interval::of(&values).map(|interval| interval.mean);
     let means = findings.means.iter().filter(|one| one.role == reactive);
     let rate = mean(means.filter_map(|one| Some(one.rate_hz?.mean)).collect());
-    let loads = || findings.loads.iter().filter(|load| load.role == reactive);
+    let loads = || findings.loads.iter();
     let busy = mean(loads().map(|load| 100.0 * load.busy).collect());
     let equal = mean(loads().map(|load| load.equal_time_hz).collect());
     html! {

@@ -98,7 +98,6 @@ fn means(means: &[Means]) -> Markup {
         table {
             tr {
                 (names_head())
-                th class="name" { "control" }
                 th { "runs/s" } th { "learning, %" } th { "unchanged, %" }
                 th { "roll error, °" } th { "pitch error, °" } th { "yaw error, °" }
                 th { "position error, m" } th { "flight time, min" } th { "flights" } th { "crashes" }
@@ -134,14 +133,12 @@ fn loads(plan: &Plan, findings: &Findings) -> Markup {
         table {
             tr {
                 (names_head())
-                th class="name" { "control" }
                 th { "runs/s" } th { "learning, %" } th { "busy, %" } th { "a, %" } th { "c, us a run" }
                 th { "equal time, Hz" } th { "flown, Hz" }
             }
             @for load in loads {
                 tr {
                     (names(&load.environment, &load.airframe, &load.logic))
-                    td class="name" { (load.role) }
                     td { (format!("{:.1}", load.rate_hz)) }
                     td { (format!("{:.1}", 100.0 * load.learning)) }
                     td { (format!("{:.2}", 100.0 * load.busy)) }
