@@ -8,11 +8,14 @@ pub mod arducopter;
 mod attitude_law;
 pub mod cleanflight;
 mod goal;
+mod observer_law;
+mod one_pole;
 pub mod openpilot;
 mod rate_law;
 mod setpoint;
 
 pub use attitude_law::{AttitudeLaw, Wanted};
 pub use goal::Goal;
+pub use observer_law::{ObserverLaw, ObserverState, ObserverStretch};
 pub use rate_law::{RateInput, RateLaw, RateState, RateStretch};
 pub use setpoint::{Setpoint, Yaw};

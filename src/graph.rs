@@ -7,6 +7,7 @@ pub mod arducopter;
 pub mod cascade;
 pub mod cleanflight;
 mod logic;
+pub mod observer;
 pub mod openpilot;
 #[cfg(test)]
 mod testing;
@@ -15,6 +16,7 @@ pub use arducopter::ArduCopter;
 pub use cascade::Cascade;
 pub use cleanflight::Cleanflight;
 pub use logic::ControlLogic;
+pub use observer::Observer;
 pub use openpilot::OpenPilot;
 
 use logic::{place_inputs, standard_inputs};
@@ -36,6 +38,9 @@ pub type Flown = ArduCopter;
 /// The control logic that `config/selection.toml` names.
 #[cfg(logic = "cleanflight")]
 pub type Flown = Cleanflight;
+/// The control logic that `config/selection.toml` names.
+#[cfg(logic = "observer")]
+pub type Flown = Observer;
 /// The control logic that `config/selection.toml` names.
 #[cfg(logic = "openpilot")]
 pub type Flown = OpenPilot;

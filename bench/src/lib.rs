@@ -21,7 +21,13 @@ pub const STEPS_SYMBOL: [&str; 2] = ["program", "GIVEN"];
 /// The ways in which each step is run: time-triggered, ours, callbacks, pointer vector.
 pub const WAYS: usize = 4;
 /// The control logics that are run, in this order.
-pub const LOGICS: [&str; 4] = ["cascade", "arducopter", "cleanflight", "openpilot"];
+pub const LOGICS: [&str; 5] = [
+    "cascade",
+    "arducopter",
+    "cleanflight",
+    "openpilot",
+    "observer",
+];
 
 /// One part: what it is, and how often it is measured on other inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -134,3 +134,19 @@ ways! {
         setpoint: set_setpoint, goal: set_goal, place: set_place, blind: set_blind
     }
 }
+
+ways! {
+    /// Reflex's own cascade with a disturbance observer.
+    observer::Observer from declaration_of_observer;
+    uses {
+        use reflex::airframe::Mixed;
+        use reflex::control::{ObserverState, Setpoint, Wanted};
+        use reflex::estimate::{AttitudeFilter, Increment, Rotation};
+        use reflex::math::Quaternion;
+        use reflex::units::TorqueDemand;
+    }
+    inputs {
+        motion: set_motion, rotation: set_rotation, heading: set_heading,
+        setpoint: set_setpoint, blind: set_blind
+    }
+}

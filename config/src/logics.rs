@@ -6,6 +6,7 @@
 mod arducopter;
 mod cascade;
 mod cleanflight;
+mod observer;
 mod openpilot;
 
 use crate::logic::{Gain, Range, Shape};
@@ -15,6 +16,7 @@ pub(crate) const LOGICS: &[(&str, &[Gain])] = &[
     ("arducopter", arducopter::GAINS),
     ("cascade", cascade::GAINS),
     ("cleanflight", cleanflight::GAINS),
+    ("observer", observer::GAINS),
     ("openpilot", openpilot::GAINS),
 ];
 

@@ -31,6 +31,8 @@ ranges! {
     exploration_share: f64 = |x| (0.0..=0.1).contains(&x), "0 to 0.1";
     /// A share of full scale or of a value, not zero.
     positive_share: f64 = |x| x > 0.0 && x <= 1.0, "above 0 and at most 1";
+    /// How far one thing is above another, m.
+    rise: f64 = |x| (-1.0..=1.0).contains(&x), "-1 to 1 m";
     /// A share of full scale or authority.
     share: f64 = |x| (0.0..=1.0).contains(&x), "0 to 1";
     /// The least command of an armed motor.

@@ -41,6 +41,9 @@ pub struct Rotors {
     /// Distance of each rotor's axis from the centre of mass in m.
     #[serde(deserialize_with = "range::length")]
     pub arm_m: f64,
+    /// Height of the rotors' plane above the centre of mass in m: wind across it tilts the body.
+    #[serde(deserialize_with = "range::rise")]
+    pub rise_m: f64,
     /// Radius of a rotor in m.
     #[serde(deserialize_with = "range::length")]
     pub radius_m: f64,

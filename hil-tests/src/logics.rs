@@ -9,7 +9,7 @@ use reflex::airframe::Mixed;
 use reflex::control::{Goal, Setpoint};
 use reflex::dataflow::{Description, Dirty};
 use reflex::estimate::{Motion, Place};
-use reflex::graph::{ArduCopter, Cascade, Cleanflight, ControlLogic, OpenPilot};
+use reflex::graph::{ArduCopter, Cascade, Cleanflight, ControlLogic, Observer, OpenPilot};
 use reflex::math::{Quaternion, Vec3};
 use reflex::units::Thrust;
 
@@ -28,6 +28,8 @@ pub enum LogicName {
     /// After OpenPilot.
     #[value(name = "openpilot")]
     OpenPilot,
+    /// Reflex's own, with a disturbance observer.
+    Observer,
 }
 
 /// A control logic of some name.
@@ -41,6 +43,8 @@ pub enum AnyLogic {
     Cleanflight(Cleanflight),
     /// After OpenPilot.
     OpenPilot(OpenPilot),
+    /// Reflex's own, with a disturbance observer.
+    Observer(Observer),
 }
 
 impl LogicName {
@@ -64,6 +68,7 @@ impl LogicName {
             Self::ArduCopter => AnyLogic::ArduCopter(ArduCopter::default()),
             Self::Cleanflight => AnyLogic::Cleanflight(Cleanflight::default()),
             Self::OpenPilot => AnyLogic::OpenPilot(OpenPilot::default()),
+            Self::Observer => AnyLogic::Observer(Observer::default()),
         }
     }
 }
@@ -77,6 +82,7 @@ impl LogicName {
             Self::ArduCopter => (size_of::<ArduCopter>(), ArduCopter::STORED_BYTES),
             Self::Cleanflight => (size_of::<Cleanflight>(), Cleanflight::STORED_BYTES),
             Self::OpenPilot => (size_of::<OpenPilot>(), OpenPilot::STORED_BYTES),
+            Self::Observer => (size_of::<Observer>(), Observer::STORED_BYTES),
         }
     }
 }
@@ -89,6 +95,7 @@ macro_rules! whichever {
             AnyLogic::ArduCopter($logic) => $call,
             AnyLogic::Cleanflight($logic) => $call,
             AnyLogic::OpenPilot($logic) => $call,
+            AnyLogic::Observer($logic) => $call,
         }
     };
 }

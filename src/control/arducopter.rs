@@ -8,7 +8,6 @@ mod angle;
 mod approach;
 mod course;
 mod lift;
-mod one_pole;
 mod rate;
 mod sharing;
 

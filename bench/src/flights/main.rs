@@ -53,6 +53,7 @@ mod program {
             1 => compare!(arducopter::ArduCopter),
             2 => compare!(cleanflight::Cleanflight),
             3 => compare!(openpilot::OpenPilot),
+            4 => compare!(observer::Observer),
             other => panic!("no control logic has the place {other}"),
         }
         done();

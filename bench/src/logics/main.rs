@@ -53,6 +53,7 @@ mod program {
         in_every_way!(1, arducopter::ArduCopter);
         in_every_way!(2, cleanflight::Cleanflight);
         in_every_way!(3, openpilot::OpenPilot);
+        in_every_way!(4, observer::Observer);
         done();
         loop {
             cortex_m::asm::wfi();

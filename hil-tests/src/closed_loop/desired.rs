@@ -18,6 +18,7 @@ impl Desired {
     pub(super) fn of(logic: &AnyLogic) -> Self {
         match logic {
             AnyLogic::Cascade(logic) => Self::of_setpoint(logic.setpoint()),
+            AnyLogic::Observer(logic) => Self::of_setpoint(logic.setpoint()),
             AnyLogic::ArduCopter(logic) => Self::of_setpoint(logic.target()),
             AnyLogic::OpenPilot(logic) => Self::of_setpoint(logic.target()),
             AnyLogic::Cleanflight(logic) => {

@@ -204,7 +204,7 @@ mod tests {
             ("--mission joyride", "[possible values: hover, waypoints]"),
             (
                 "--logic px4",
-                "[possible values: cascade, arducopter, cleanflight, openpilot]",
+                "[possible values: cascade, arducopter, cleanflight, openpilot, observer]",
             ),
             (
                 "--duration 0",

@@ -5,9 +5,9 @@ mod whole;
 
 use rayon::prelude::*;
 use reflex::airframe::MotorShares;
-use reflex::graph::{ArduCopter, Cascade, Cleanflight, OpenPilot};
+use reflex::graph::{ArduCopter, Cascade, Cleanflight, Observer, OpenPilot};
 use reflex_bench::step::Step;
-use reflex_bench::ways::{Way, arducopter, cascade, cleanflight, openpilot};
+use reflex_bench::ways::{Way, arducopter, cascade, cleanflight, observer, openpilot};
 
 use super::*;
 use crate::native::fly;
@@ -34,6 +34,7 @@ fn ways(name: LogicName) -> Ways {
         LogicName::ArduCopter => of!(arducopter::ArduCopter),
         LogicName::Cleanflight => of!(cleanflight::Cleanflight),
         LogicName::OpenPilot => of!(openpilot::OpenPilot),
+        LogicName::Observer => of!(observer::Observer),
     }
 }
 

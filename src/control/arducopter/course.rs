@@ -1,12 +1,12 @@
 //! Position and velocity loops: from a goal to a lean and a vertical acceleration.
 
 use super::approach::approach;
-use super::one_pole::{gone, time_constant};
 use crate::config::arducopter::{
     ALTITUDE_ACCELERATION, ALTITUDE_P, CLIMB_P, CLIMB_SPEED, DESCENT_SPEED, LEAN_LIMIT,
     POSITION_ACCELERATION, POSITION_P, POSITION_SPEED, VELOCITY_CUTOFF, VELOCITY_D, VELOCITY_I,
     VELOCITY_INTEGRAL_LIMIT, VELOCITY_P,
 };
+use crate::control::one_pole::{gone, time_constant};
 use crate::control::{Goal, Setpoint, Yaw};
 use crate::estimate::Place;
 use crate::math::{Quaternion, Vec3, between, limited, sin_cos};

@@ -1,13 +1,13 @@
 //! The vertical acceleration loop, hover's thrust as learned, and the angle boost.
 
 use super::Climb;
-use super::one_pole::{along, gone, time_constant};
 use crate::airframe::Mixed;
 use crate::config::arducopter::{
     HOVER, HOVER_LEARNING, LIFT_ERROR_CUTOFF, THROTTLE_CUTOFF, THROTTLE_I, THROTTLE_INTEGRAL_LIMIT,
     THROTTLE_P,
 };
 use crate::control::Setpoint;
+use crate::control::one_pole::{along, gone, time_constant};
 use crate::estimate::Increment;
 use crate::math::{Quaternion, Vec3, between, limited};
 use crate::sensors::GRAVITY;

@@ -9,9 +9,9 @@
 //!   holds that of the target too, which is known without a quotient: minus stiffness times rate.
 
 use super::Asked;
-use super::one_pole::{along, time_constant};
 use crate::airframe::Mixed;
 use crate::config::arducopter::{RATE_D, RATE_I, RATE_INTEGRAL_LIMIT, RATE_P, YAW_ERROR_CUTOFF};
+use crate::control::one_pole::{along, time_constant};
 use crate::control::{RateInput, RateLaw, RateState, RateStretch, Wanted};
 use crate::estimate::{Increment, Rotation};
 use crate::math::Vec3;

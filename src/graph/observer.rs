@@ -1,0 +1,139 @@
+//! The observer: the cascade, whose rate loop cancels what disturbs instead of integrating.
+//!
+//! ```text
+//! motion ----+--> filter --> attitude --+
+//! heading ---+                          +--> wanted --+
+//! setpoint -----------------------------+             +--> torque --+
+//! rotation ---+---------------------------------------+             +--> command
+//! motion -----+--> observed --------------------------+             |
+//! setpoint's thrust ------------------------------------------------+
+//! ```
+//! What the time that rare runs leave can buy: a model of the motors in the loop. `observed` holds
+//! what it cannot explain.
+
+pub use super::cascade::{advanced, attitude_loop, attitude_of, mixed};
+use super::{ControlLogic, standard_inputs};
+use crate::airframe::Mixed;
+use crate::config::observer::RATE_D_CUTOFF;
+use crate::config::{CHIP_MAG, GYRO};
+use crate::control::{ObserverLaw, ObserverState, ObserverStretch, RateInput, Setpoint, Wanted};
+use crate::dataflow::graph;
+use crate::estimate::{AttitudeFilter, Increment, Rotation};
+use crate::math::{Quaternion, Vec3};
+use crate::units::TorqueDemand;
+
+graph! {
+    /// Attitude and rate loops in cascade, with a disturbance observer.
+    #[export_declaration]
+    pub struct Observer;
+
+    /// Sums of the arrival stage since the last run.
+    input motion: Increment, every GYRO.period, gates if GYRO.gates, triggers;
+    /// Filtered rates and angular acceleration.
+    input rotation: Rotation, every GYRO.period, gates if GYRO.gates, triggers;
+    /// By how much (rad) the heading falls short of a measured one, where there is one.
+    input heading: Option<f32>, every CHIP_MAG.period, triggers;
+    /// What to fly.
+    input setpoint: Setpoint, at 50 Hz, joins;
+    /// No motion is seen: then thrust is all that is commanded.
+    input blind: bool, at 10 Hz, joins;
+
+    /// The attitude estimate.
+    state filter: AttitudeFilter = advanced(&filter, &motion, heading), clocked by motion;
+    /// Attitude, body to Earth.
+    node attitude: Quaternion = attitude_of(&filter);
+    /// What the attitude loop asks for.
+    node wanted: Wanted = attitude_loop(attitude, &setpoint);
+    /// What turns the body besides the motors.
+    state observed: ObserverState = observed_after(
+        &observed, &motion, &rotation, &last torque, &last command
+    ), clocked by motion;
+    /// What the rate loop asks for.
+    node torque: TorqueDemand = rate_loop(&observed, &wanted, &rotation, blind);
+    /// The motor vector.
+    output command: Mixed = mixed(torque, &setpoint);
+}
+
+const OBSERVER_LAW: ObserverLaw = ObserverLaw::CONFIGURED;
+
+/// What is known of disturbances after this motion, flown with the demand before.
+pub fn observed_after(
+    state: &ObserverState,
+    motion: &Increment,
+    rotation: &Rotation,
+    asked: &TorqueDemand,
+    command: &Mixed,
+) -> ObserverState {
+    let stretch = ObserverStretch {
+        asked: *asked,
+        rates: rotation.rates,
+        dt: motion.dt,
+        saturated: command.saturated,
+    };
+    OBSERVER_LAW.after(state, &stretch)
+}
+
+/// Torque demands; none where no motion is seen.
+pub fn rate_loop(
+    observed: &ObserverState,
+    wanted: &Wanted,
+    rotation: &Rotation,
+    blind: bool,
+) -> TorqueDemand {
+    if blind {
+        return TorqueDemand::default();
+    }
+    let input = RateInput {
+        wanted: wanted.rates,
+        measured: rotation.rates,
+        acceleration: rotation.acceleration,
+    };
+    OBSERVER_LAW.demand(observed, &input)
+}
+
+impl ControlLogic for Observer {
+    standard_inputs!("observer", RATE_D_CUTOFF);
+
+    fn align(&mut self, force: Vec3) {
+        self.set_filter(self.filter().aligned(force));
+    }
+
+    fn reset_integrals(&mut self) {
+        self.set_observed(self.observed().undisturbed());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::testing::{settled, turning, visited};
+    use crate::units::Thrust;
+
+    #[test]
+    fn each_input_reaches_its_own_slice() {
+        let mut graph: Observer = settled();
+        assert_eq!(visited(&mut graph), "");
+
+        graph.set_rotation(turning(0.1).rotation);
+        assert_eq!(visited(&mut graph), "rotation torque command");
+
+        graph.set_setpoint(Setpoint::level(Thrust::new(0.6).expect("in range")));
+        assert_eq!(visited(&mut graph), "setpoint command");
+
+        graph.take(&turning(0.2), None);
+        assert_eq!(
+            visited(&mut graph),
+            "motion rotation filter attitude wanted observed torque command"
+        );
+    }
+
+    #[test]
+    fn what_was_seen_to_disturb_is_forgotten_on_the_ground() {
+        let mut graph: Observer = settled();
+        graph.take(&turning(0.2), None);
+        graph.run();
+        assert_ne!(*graph.observed(), graph.observed().undisturbed());
+        graph.reset_integrals();
+        assert_eq!(*graph.observed(), graph.observed().undisturbed());
+    }
+}
