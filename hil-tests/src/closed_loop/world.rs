@@ -180,7 +180,7 @@ fn motors_of(rotors: &plant::Rotors, airframe: &Airframe) -> Vec<dynamics::Motor
     let motor = |(place, motor): (usize, &reflex_config::Motor)| dynamics::Motor {
         arm_angle: motor.angle_deg.to_radians(),
         arm_length: rotors.arm_m,
-        height: 0.0,
+        height: rotors.rise_m,
         spin: match motor.spin {
             Spin::Cw => dynamics::Spin::Clockwise,
             Spin::Ccw => dynamics::Spin::CounterClockwise,
