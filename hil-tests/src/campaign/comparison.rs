@@ -7,7 +7,8 @@ use serde::Serialize;
 use super::interval::Interval;
 use super::journal::{Landed, Records};
 use super::plan::{Plan, USUAL_HZ};
-use super::sortie::{Role, Sortie, Tier, Tunable};
+use super::role::{Contender, Role};
+use super::sortie::{Sortie, Tier};
 use crate::closed_loop::report::FlightReport;
 
 /// What a flight is judged by.
@@ -40,7 +41,7 @@ pub struct Comparison {
 }
 
 /// Every comparison of the main part, in the order of the report.
-pub const COMPARISONS: [Comparison; 7] = [
+pub const COMPARISONS: [Comparison; 11] = [
     Comparison {
         name: "reactive against 400 Hz",
         of: Role::Reactive,
@@ -63,18 +64,38 @@ pub const COMPARISONS: [Comparison; 7] = [
     },
     Comparison {
         name: "at equal margins: reactive against 400 Hz",
-        of: Role::Tuned(Tunable::Reactive),
-        against: Role::Tuned(Tunable::Usual),
+        of: Role::Tuned(Contender::Reactive),
+        against: Role::Tuned(Contender::Usual),
     },
     Comparison {
         name: "at equal margins: reactive against periodic, equal runs",
-        of: Role::Tuned(Tunable::Reactive),
-        against: Role::Tuned(Tunable::EqualRuns),
+        of: Role::Tuned(Contender::Reactive),
+        against: Role::Tuned(Contender::EqualRuns),
     },
     Comparison {
         name: "what it can buy: reactive with faster loops against 400 Hz as configured",
-        of: Role::Tuned(Tunable::Reactive),
+        of: Role::Tuned(Contender::Reactive),
         against: Role::Periodic(USUAL_HZ),
+    },
+    Comparison {
+        name: "hovering: reactive against 400 Hz",
+        of: Role::Hovering(Contender::Reactive),
+        against: Role::Hovering(Contender::Usual),
+    },
+    Comparison {
+        name: "hovering: reactive against periodic, equal runs",
+        of: Role::Hovering(Contender::Reactive),
+        against: Role::Hovering(Contender::EqualRuns),
+    },
+    Comparison {
+        name: "hovering, what it can buy: reactive with a disturbance observer against 400 Hz without",
+        of: Role::Observing(Contender::Reactive),
+        against: Role::Hovering(Contender::Usual),
+    },
+    Comparison {
+        name: "hovering: 400 Hz with a disturbance observer against 400 Hz without",
+        of: Role::Observing(Contender::Usual),
+        against: Role::Hovering(Contender::Usual),
     },
 ];
 

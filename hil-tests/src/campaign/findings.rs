@@ -11,7 +11,8 @@ use super::interval::Interval;
 use super::journal::{Landed, Records, Ways};
 use super::load::{self, Load};
 use super::plan::{Plan, USUAL_HZ};
-use super::sortie::{Role, Sortie, Tier, Tunable};
+use super::role::{Contender, Role};
+use super::sortie::{Sortie, Tier};
 use super::tuning::{self, Tuning};
 use crate::closed_loop::report::FlightReport;
 
@@ -172,12 +173,8 @@ impl Findings {
 
 /// Whether a flight waits for a rate that there will never be.
 fn is_undecided(records: &Records, sortie: &Sortie) -> bool {
-    let decides = match sortie.role {
-        Role::EqualRuns => Role::Reactive,
-        Role::Tuned(Tunable::EqualRuns) => Role::Tuned(Tunable::Reactive),
-        _ => return false,
-    };
-    let decided_by = records.flights.get(&sortie.with(decides));
+    let decided_by = sortie.role.decided_by();
+    let decided_by = decided_by.and_then(|role| records.flights.get(&sortie.with(role)));
     decided_by.is_some_and(|landed| landed.report.control.rate_hz.is_none())
 }
 
@@ -254,9 +251,14 @@ fn means(plan: &Plan, records: &Records) -> Vec<Means> {
         Role::Periodic(USUAL_HZ),
         Role::EqualRuns,
         Role::EqualTime,
-        Role::Tuned(Tunable::Reactive),
-        Role::Tuned(Tunable::Usual),
-        Role::Tuned(Tunable::EqualRuns),
+        Role::Tuned(Contender::Reactive),
+        Role::Tuned(Contender::Usual),
+        Role::Tuned(Contender::EqualRuns),
+        Role::Hovering(Contender::Reactive),
+        Role::Hovering(Contender::Usual),
+        Role::Hovering(Contender::EqualRuns),
+        Role::Observing(Contender::Reactive),
+        Role::Observing(Contender::Usual),
     ];
     let of_role = |role| {
         let cells = comparison::pairs(plan, records, (role, role));

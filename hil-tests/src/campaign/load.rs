@@ -9,7 +9,8 @@ use serde::Serialize;
 use super::findings::learning_share;
 use super::journal::Records;
 use super::plan::{LOAD_RATES_HZ, Plan};
-use super::sortie::{PERIODS_US, Role, Sortie, Tier};
+use super::role::Role;
+use super::sortie::{PERIODS_US, Sortie, Tier};
 
 /// What a run of time-triggered control takes of the processor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

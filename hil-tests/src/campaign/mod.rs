@@ -18,6 +18,7 @@ mod known_plans;
 mod load;
 mod plan;
 mod report;
+mod role;
 mod shard;
 mod sortie;
 mod sources;
@@ -48,7 +49,8 @@ pub use shard::Shard;
 use crew::Orders;
 use journal::{Journal, Records, Stamp};
 use plan::USUAL_HZ;
-use sortie::{AS_CONFIGURED, Job, Role, Sortie, Tier, Tunable};
+use role::{Contender, Role};
+use sortie::{AS_CONFIGURED, Job, Sortie, Tier};
 
 /// What a campaign is told.
 #[derive(Clone, Debug, PartialEq)]
@@ -221,27 +223,25 @@ impl Flying<'_> {
         let records = &self.journal.records;
         let period_us = match sortie.role {
             Role::Periodic(hz) => Some(load::period_us(f64::from(hz))),
-            Role::EqualRuns => {
-                let reactive = records.flights.get(&sortie.with(Role::Reactive))?;
-                Some(load::period_us(reactive.report.control.rate_hz?))
-            }
             Role::EqualTime => {
                 let load = load::measured(self.plan, records, sortie)?;
                 Some(load.period_us())
             }
-            Role::Margin(Tunable::Usual, ..) | Role::Tuned(Tunable::Usual) => {
-                Some(load::period_us(f64::from(USUAL_HZ)))
-            }
-            Role::Margin(Tunable::EqualRuns, ..) => {
+            Role::Margin(Contender::Usual, ..)
+            | Role::Tuned(Contender::Usual)
+            | Role::Hovering(Contender::Usual)
+            | Role::Observing(Contender::Usual) => Some(load::period_us(f64::from(USUAL_HZ))),
+            Role::Margin(Contender::EqualRuns, ..) => {
                 let rate_hz = tuning::reactive_rate_hz(self.plan, records, sortie)?;
                 Some(load::period_us(rate_hz))
             }
-            Role::Tuned(Tunable::EqualRuns) => {
-                let reactive = sortie.with(Role::Tuned(Tunable::Reactive));
-                let report = &records.flights.get(&reactive)?.report;
-                Some(load::period_us(report.control.rate_hz?))
-            }
-            _ => None,
+            role => match role.decided_by() {
+                Some(reactive) => {
+                    let report = &records.flights.get(&sortie.with(reactive))?.report;
+                    Some(load::period_us(report.control.rate_hz?))
+                }
+                None => None,
+            },
         };
         let bandwidth = match sortie.role {
             Role::Margin(_, percent, _) => percent,

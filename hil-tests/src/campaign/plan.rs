@@ -1,6 +1,7 @@
 //! Plans by name: which flights a campaign has.
 
-use super::sortie::{Role, Sortie, Tier, Tunable};
+use super::role::{Contender, Role};
+use super::sortie::{Sortie, Tier};
 use super::tuning;
 use crate::refusal::Refusal;
 
@@ -14,6 +15,8 @@ pub const LOAD_RATES_HZ: [u32; 2] = [100, 400];
 pub const USUAL_HZ: u32 = 400;
 /// Seeds that the error is shown over the rate with, at most.
 const RATE_SEEDS: u32 = 10;
+/// The logic that a disturbance observer is made for.
+const CASCADE: &str = "cascade";
 
 /// The flights of a campaign, in a few words.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +35,8 @@ pub struct Plan {
     pub sweep_seeds: u32,
     /// Seeds that are flown with loops tuned to equal margins, 1 to this; 0 tunes nothing.
     pub tuned_seeds: u32,
+    /// Seeds that are flown hovering, 1 to this.
+    pub hover_seeds: u32,
     /// Rates of time-triggered control that its error is shown over, Hz, besides the usual one.
     pub rates_hz: Vec<u32>,
     /// The logic that they are varied with.
@@ -75,6 +80,7 @@ impl Plan {
             plan.seeds = seeds;
             plan.sweep_seeds = plan.sweep_seeds.min(seeds);
             plan.tuned_seeds = plan.tuned_seeds.min(seeds);
+            plan.hover_seeds = plan.hover_seeds.min(seeds);
         }
         Ok(plan)
     }
@@ -107,7 +113,7 @@ impl Plan {
     pub fn hours(&self) -> f64 {
         let seconds = |plan: &Self| plan.units().iter().map(Unit::seconds).sum::<u64>();
         // From some seed on each adds as much as the one before.
-        let settled = self.sweep_seeds.max(self.tuned_seeds) + 1;
+        let settled = self.sweep_seeds.max(self.tuned_seeds).max(self.hover_seeds) + 1;
         let with = |seeds: u32| Self {
             seeds,
             ..self.clone()
@@ -168,6 +174,12 @@ impl Plan {
         if self.emulated_s.is_some() {
             roles.push(Role::EqualTime);
         }
+        if seed <= self.hover_seeds {
+            roles.extend(Contender::ALL.map(Role::Hovering));
+            if logic == CASCADE {
+                roles.extend([Contender::Reactive, Contender::Usual].map(Role::Observing));
+            }
+        }
         let shows_rates = Some(airframe) == self.airframes.first();
         if shows_rates && seed <= RATE_SEEDS.min(self.sweep_seeds) {
             roles.extend(self.rates_hz.iter().copied().map(Role::Periodic));
@@ -198,7 +210,7 @@ impl Plan {
 
     /// A cell's flight with loops tuned to equal margins.
     #[must_use]
-    pub fn tuned(&self, cell: &Sortie, of: Tunable, seed: u32) -> Sortie {
+    pub fn tuned(&self, cell: &Sortie, of: Contender, seed: u32) -> Sortie {
         Sortie {
             duration_s: self.duration_s,
             role: Role::Tuned(of),
@@ -211,7 +223,7 @@ impl Plan {
     fn tuning(&self, cell: [&String; 3]) -> Option<Unit> {
         let any = self.trial(cell, 1).0.into_iter().next()?;
         let mut flights = Vec::new();
-        for of in Tunable::ALL {
+        for of in Contender::ALL {
             flights.extend(tuning::margins(&any, of));
             flights.extend((1..=self.tuned_seeds).map(|seed| self.tuned(&any, of, seed)));
         }

@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 use std::str::FromStr;
 
 use super::plan::{Plan, Unit};
-use super::sortie::{Role, Sortie, Tier};
+use super::role::Role;
+use super::sortie::{Sortie, Tier};
 
 /// How much longer a second of emulated flight takes than a native one.
 const EMULATED_WEIGHT: u64 = 150;

@@ -1,7 +1,8 @@
 //! Flights that nobody flew, for tests.
 
 use super::journal::{Landed, Stamp, flight_line};
-use super::sortie::{Job, Role, Sortie, Tier};
+use super::role::Role;
+use super::sortie::{Job, Sortie, Tier};
 use crate::closed_loop::report::{AxisErrors, Control, CrashReport, FlightReport};
 
 /// A fingerprint of no sources.

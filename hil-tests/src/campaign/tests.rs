@@ -82,7 +82,14 @@ fn the_smoke_plan_flies_and_comes_to_the_same_report_from_its_journal() {
     );
     assert_eq!(flown.flights.native, flown.planned);
     let equal_runs = flown.between(Role::Reactive, Role::EqualRuns).unwrap();
-    assert_eq!(equal_runs.cells.len(), 2);
+    assert_eq!(equal_runs.cells.len(), 4);
+    let observing = (
+        Role::Observing(Contender::Reactive),
+        Role::Hovering(Contender::Usual),
+    );
+    let observing = flown.between(observing.0, observing.1).unwrap();
+    assert!(observing.cells.iter().all(|cell| cell.logic == "cascade"));
+    assert_eq!(observing.cells.len(), 2);
     let rates = |role: Role| {
         let mut means = flown
             .means

@@ -9,7 +9,8 @@ use serde::Serialize;
 
 use super::journal::Records;
 use super::plan::Plan;
-use super::sortie::{Role, Sortie, Strain, Tunable};
+use super::role::{Contender, Role, Strain};
+use super::sortie::Sortie;
 use crate::airframes::BANDWIDTHS;
 
 /// Seeds that margins are seen with, 1 to this.
@@ -44,14 +45,14 @@ pub fn bandwidths() -> Vec<u32> {
 
 /// The flights that show the margins of a cell, given any flight of it.
 #[must_use]
-pub fn margins(cell: &Sortie, of: Tunable) -> Vec<Sortie> {
+pub fn margins(cell: &Sortie, of: Contender) -> Vec<Sortie> {
     let percents = bandwidths().into_iter();
     percents
         .flat_map(|percent| strained(cell, of, percent))
         .collect()
 }
 
-fn strained(cell: &Sortie, of: Tunable, percent: u32) -> Vec<Sortie> {
+fn strained(cell: &Sortie, of: Contender, percent: u32) -> Vec<Sortie> {
     let flight = |(strain, seed)| Sortie {
         duration_s: DURATION_S,
         role: Role::Margin(of, percent, strain),
@@ -65,7 +66,7 @@ fn strained(cell: &Sortie, of: Tunable, percent: u32) -> Vec<Sortie> {
 
 /// The fastest loops that bear every strain, in %; the slowest where none do, none unflown.
 #[must_use]
-pub fn fastest(records: &Records, cell: &Sortie, of: Tunable) -> Option<u32> {
+pub fn fastest(records: &Records, cell: &Sortie, of: Contender) -> Option<u32> {
     let percents = bandwidths();
     let mut fastest = percents.first().copied();
     for percent in percents {
@@ -85,7 +86,7 @@ pub fn fastest(records: &Records, cell: &Sortie, of: Tunable) -> Option<u32> {
 /// Runs per second of tuned reactive control, the mean of a cell's flights.
 #[must_use]
 pub fn reactive_rate_hz(plan: &Plan, records: &Records, cell: &Sortie) -> Option<f64> {
-    let flights = (1..=plan.tuned_seeds).map(|seed| plan.tuned(cell, Tunable::Reactive, seed));
+    let flights = (1..=plan.tuned_seeds).map(|seed| plan.tuned(cell, Contender::Reactive, seed));
     let rates: Vec<f64> = flights
         .filter_map(|flight| records.flights.get(&flight)?.report.control.rate_hz)
         .collect();
@@ -100,7 +101,7 @@ pub fn all(plan: &Plan, records: &Records) -> Vec<Tuning> {
     }
     let cells = plan.cells();
     let tunings = cells.iter().flat_map(|cell| {
-        Tunable::ALL.into_iter().filter_map(|of| {
+        Contender::ALL.into_iter().filter_map(|of| {
             let [environment, airframe, logic] = cell.cell().map(str::to_owned);
             Some(Tuning {
                 environment,

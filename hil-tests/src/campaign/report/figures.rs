@@ -9,25 +9,36 @@ use crate::campaign::findings::{Findings, Means, Swept};
 use crate::campaign::interval::Interval;
 use crate::campaign::journal::Records;
 use crate::campaign::plan::{Plan, USUAL_HZ};
-use crate::campaign::sortie::{Role, Sortie, Tunable};
+use crate::campaign::role::{Contender, Role};
+use crate::campaign::sortie::Sortie;
 use crate::plot::{Axis, Curve, Figure, Look, Marker, Panel, Point, Scale};
 
 /// Panels beside each other.
 const COLUMNS: usize = 3;
 /// Whom reactive control is compared with, by a few words.
-const AGAINST: [(Role, Role, &str); 5] = [
+const AGAINST: [(Role, Role, &str); 7] = [
     (Role::Reactive, Role::Periodic(USUAL_HZ), "400 Hz"),
     (Role::Reactive, Role::EqualRuns, "equal runs"),
     (Role::Reactive, Role::EqualTime, "equal time"),
     (
-        Role::Tuned(Tunable::Reactive),
-        Role::Tuned(Tunable::EqualRuns),
+        Role::Tuned(Contender::Reactive),
+        Role::Tuned(Contender::EqualRuns),
         "equal runs and margins",
     ),
     (
-        Role::Tuned(Tunable::Reactive),
-        Role::Tuned(Tunable::Usual),
+        Role::Tuned(Contender::Reactive),
+        Role::Tuned(Contender::Usual),
         "400 Hz, equal margins",
+    ),
+    (
+        Role::Hovering(Contender::Reactive),
+        Role::Hovering(Contender::Usual),
+        "400 Hz, hovering",
+    ),
+    (
+        Role::Hovering(Contender::Reactive),
+        Role::Hovering(Contender::EqualRuns),
+        "equal runs, hovering",
     ),
 ];
 

@@ -8,10 +8,10 @@ use crate::campaign::comparison::{Cell, Compared, Metric};
 use crate::campaign::findings::Findings;
 use crate::campaign::interval::Interval;
 use crate::campaign::plan::USUAL_HZ;
-use crate::campaign::sortie::{Role, Tunable};
+use crate::campaign::role::{Contender, Role};
 
 /// What the first lines compare, with what is written of the other side.
-const AGAINST: [(Role, Role, &str); 6] = [
+const AGAINST: [(Role, Role, &str); 10] = [
     (
         Role::Reactive,
         Role::EqualRuns,
@@ -28,19 +28,39 @@ const AGAINST: [(Role, Role, &str); 6] = [
         "Against periodic control at 400 Hz",
     ),
     (
-        Role::Tuned(Tunable::Reactive),
-        Role::Tuned(Tunable::EqualRuns),
+        Role::Tuned(Contender::Reactive),
+        Role::Tuned(Contender::EqualRuns),
         "With loops as fast as equal margins allow, against periodic control that runs as often",
     ),
     (
-        Role::Tuned(Tunable::Reactive),
-        Role::Tuned(Tunable::Usual),
+        Role::Tuned(Contender::Reactive),
+        Role::Tuned(Contender::Usual),
         "With loops as fast as equal margins allow, against periodic control at 400 Hz",
     ),
     (
-        Role::Tuned(Tunable::Reactive),
+        Role::Tuned(Contender::Reactive),
         Role::Periodic(USUAL_HZ),
         "What spared runs can buy: reactive control with faster loops, against 400 Hz as configured",
+    ),
+    (
+        Role::Hovering(Contender::Reactive),
+        Role::Hovering(Contender::EqualRuns),
+        "Hovering, against periodic control that runs as often",
+    ),
+    (
+        Role::Hovering(Contender::Reactive),
+        Role::Hovering(Contender::Usual),
+        "Hovering, against periodic control at 400 Hz",
+    ),
+    (
+        Role::Observing(Contender::Reactive),
+        Role::Hovering(Contender::Usual),
+        "What spared runs can buy, hovering: the cascade, reactive, with a disturbance observer, against 400 Hz without",
+    ),
+    (
+        Role::Observing(Contender::Usual),
+        Role::Hovering(Contender::Usual),
+        "The same observer at 400 Hz, against 400 Hz without",
     ),
 ];
 

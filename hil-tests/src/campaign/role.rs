@@ -1,0 +1,250 @@
+//! When control runs in a flight, and what that is there to be compared with.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use crate::closed_loop::Stress;
+
+/// Who takes part where reactive control is compared other than as configured over waypoints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Contender {
+    /// Reactive control.
+    Reactive,
+    /// Time-triggered control at the usual rate.
+    Usual,
+    /// Time-triggered control as often as reactive control runs there.
+    EqualRuns,
+}
+
+/// What loops must bear: a gain or a delay that they are not made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Strain {
+    /// The drone answers its motors twice as strongly: a gain margin of 6 dB.
+    Gain,
+    /// Motor commands apply 20 ms later: a delay margin.
+    Delay,
+}
+
+/// When control runs in a flight, and what it is there to be compared with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum Role {
+    /// Reactive control with the settings of `config/`.
+    Reactive,
+    /// Reactive control without the foreseen command: cheaper to decide.
+    Unforeseen,
+    /// Time-triggered control at a rate in Hz.
+    Periodic(u32),
+    /// Time-triggered control as often as this trial's reactive control ran.
+    EqualRuns,
+    /// Time-triggered control that takes as much processor time as reactive control.
+    EqualTime,
+    /// Reactive control with another `P_run`, in thousandths.
+    PRun(u32),
+    /// Reactive control with another `T_failsafe`, in ms.
+    Failsafe(u32),
+    /// Whether loops so fast, in % of the configured bandwidth, bear a strain in hovering flight.
+    Margin(Contender, u32, Strain),
+    /// Control whose loops are as fast as their margins allow.
+    Tuned(Contender),
+    /// Hovering instead of going round waypoints.
+    Hovering(Contender),
+    /// Hovering with a disturbance observer in the cascade.
+    Observing(Contender),
+}
+
+impl Contender {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Reactive, Self::Usual, Self::EqualRuns];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Reactive => "reactive",
+            Self::Usual => "usual",
+            Self::EqualRuns => "equal-runs",
+        }
+    }
+}
+
+impl Strain {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Gain, Self::Delay];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Gain => "gain",
+            Self::Delay => "delay",
+        }
+    }
+
+    /// What a flight is told of it.
+    pub(super) fn stress(self) -> Stress {
+        let none = Stress::default();
+        match self {
+            Self::Gain => Stress { gain: 2.0, ..none },
+            Self::Delay => Stress {
+                delay_s: 0.02,
+                ..none
+            },
+        }
+    }
+}
+
+impl Role {
+    /// The role whose rate this one keeps: time-triggered control at equal runs.
+    #[must_use]
+    pub fn decided_by(self) -> Option<Self> {
+        match self {
+            Self::EqualRuns => Some(Self::Reactive),
+            Self::Tuned(Contender::EqualRuns) => Some(Self::Tuned(Contender::Reactive)),
+            Self::Hovering(Contender::EqualRuns) => Some(Self::Hovering(Contender::Reactive)),
+            _ => None,
+        }
+    }
+
+    /// What must have been flown before: flights of a lower wave.
+    #[must_use]
+    pub fn wave(self) -> u32 {
+        match self {
+            Self::EqualRuns
+            | Self::Hovering(Contender::EqualRuns)
+            | Self::Tuned(Contender::Reactive | Contender::Usual) => 1,
+            Self::Margin(Contender::EqualRuns, ..) => 2,
+            Self::Tuned(Contender::EqualRuns) => 3,
+            _ => 0,
+        }
+    }
+}
+
+impl fmt::Display for Role {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Reactive => f.write_str("reactive"),
+            Self::Unforeseen => f.write_str("unforeseen"),
+            Self::Periodic(hz) => write!(f, "periodic-{hz}"),
+            Self::EqualRuns => f.write_str("equal-runs"),
+            Self::EqualTime => f.write_str("equal-time"),
+            Self::PRun(thousandths) => write!(f, "p-run-{}", f64::from(*thousandths) / 1000.0),
+            Self::Failsafe(ms) => write!(f, "failsafe-{}", f64::from(*ms) / 1000.0),
+            Self::Tuned(of) => write!(f, "tuned-{}", of.name()),
+            Self::Hovering(of) => write!(f, "hovering-{}", of.name()),
+            Self::Observing(of) => write!(f, "observing-{}", of.name()),
+            Self::Margin(of, percent, strain) => {
+                write!(f, "margin-{}-{percent}-{}", of.name(), strain.name())
+            }
+        }
+    }
+}
+
+impl FromStr for Role {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let unknown = || format!("`{text}` is no role of a flight");
+        let thousandths = |number: &str| match number.parse::<f64>() {
+            Ok(number) if (0.0..=1000.0).contains(&number) => Ok((number * 1000.0).round() as u32),
+            _ => Err(unknown()),
+        };
+        match text {
+            "reactive" => Ok(Self::Reactive),
+            "unforeseen" => Ok(Self::Unforeseen),
+            "equal-runs" => Ok(Self::EqualRuns),
+            "equal-time" => Ok(Self::EqualTime),
+            _ => match text.rsplit_once('-') {
+                Some(("periodic", hz)) => Ok(Self::Periodic(hz.parse().map_err(|_| unknown())?)),
+                Some(("p-run", number)) => Ok(Self::PRun(thousandths(number)?)),
+                Some(("failsafe", number)) => Ok(Self::Failsafe(thousandths(number)?)),
+                _ => of_contender(text).ok_or_else(unknown),
+            },
+        }
+    }
+}
+
+/// The roles of a contender.
+fn of_contender(text: &str) -> Option<Role> {
+    let contender = |name: &str| Contender::ALL.into_iter().find(|it| it.name() == name);
+    let (kind, rest) = text.split_once('-')?;
+    match kind {
+        "tuned" => Some(Role::Tuned(contender(rest)?)),
+        "hovering" => Some(Role::Hovering(contender(rest)?)),
+        "observing" => Some(Role::Observing(contender(rest)?)),
+        "margin" => {
+            let (rest, strain) = rest.rsplit_once('-')?;
+            let (name, percent) = rest.rsplit_once('-')?;
+            let strain = Strain::ALL.into_iter().find(|it| it.name() == strain)?;
+            Some(Role::Margin(
+                contender(name)?,
+                percent.parse().ok()?,
+                strain,
+            ))
+        }
+        _ => None,
+    }
+}
+
+impl TryFrom<String> for Role {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<Role> for String {
+    fn from(role: Role) -> Self {
+        role.to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn roles() -> impl Strategy<Value = Role> {
+        prop_oneof![
+            Just(Role::Reactive),
+            Just(Role::Unforeseen),
+            Just(Role::EqualRuns),
+            Just(Role::EqualTime),
+            (1..2000u32).prop_map(Role::Periodic),
+            (1..1000u32).prop_map(Role::PRun),
+            (1..1000u32).prop_map(Role::Failsafe),
+            prop::sample::select(&Contender::ALL[..]).prop_map(Role::Tuned),
+            prop::sample::select(&Contender::ALL[..]).prop_map(Role::Hovering),
+            prop::sample::select(&Contender::ALL[..]).prop_map(Role::Observing),
+            (
+                prop::sample::select(&Contender::ALL[..]),
+                1..1000u32,
+                prop::sample::select(&Strain::ALL[..])
+            )
+                .prop_map(|(of, percent, strain)| Role::Margin(of, percent, strain)),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn a_role_reads_back_from_its_name(role in roles()) {
+            prop_assert_eq!(role.to_string().parse(), Ok(role));
+        }
+    }
+
+    #[test]
+    fn what_is_no_role_is_named() {
+        for text in [
+            "",
+            "reactive-",
+            "periodic-x",
+            "p-run-nan",
+            "failsafe--1",
+            "hovering-usually",
+            "margin-reactive-100-wear",
+            "-",
+        ] {
+            let error = text.parse::<Role>().unwrap_err();
+            assert_eq!(error, format!("`{text}` is no role of a flight"));
+        }
+    }
+}
