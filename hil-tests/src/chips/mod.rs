@@ -27,6 +27,7 @@ pub mod noise;
 pub mod options;
 pub mod oscillator;
 pub mod register_file;
+mod shared;
 pub mod stimulus;
 #[cfg(test)]
 mod testing;
@@ -35,4 +36,5 @@ pub use bus::{I2cChip, SpiChip};
 pub use lsm303agr::Lsm303agr;
 pub use mpu6050::Mpu6050;
 pub use options::{ChipOptions, Present};
+pub use shared::SharedChips;
 pub use stimulus::{Stimulus, StimulusSource};

@@ -4,7 +4,7 @@
 //! come to the same command bit by bit; at the end every timer register must have held it.
 
 use std::num::NonZeroU64;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use anyhow::Result;
 use reflex::app::{Autopilot, Call};
@@ -17,8 +17,7 @@ use super::report::Cpu;
 use super::tier::{Applied, Tier, TimedRan, throttle};
 use crate::board::emulated::{EmulatedBoard, Sensors};
 use crate::board::{Board, Elf, Line, Options};
-use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
-use crate::chips::{ChipOptions, Mpu6050, StimulusSource};
+use crate::chips::{ChipOptions, SharedChips, StimulusSource};
 use crate::firmware::Firmware;
 use crate::flights::LinkFrame;
 use crate::logics::{AnyLogic, LogicName};
@@ -55,11 +54,7 @@ impl EmulatedTier {
         chips: ChipOptions,
         instructions_per_second: NonZeroU64,
     ) -> Result<Self> {
-        let sensors = Sensors {
-            imu: Arc::new(Mutex::new(Mpu6050::new(Arc::clone(source), chips))),
-            accel: Arc::new(Mutex::new(Accelerometer::new(Arc::clone(source), chips))),
-            mag: Arc::new(Mutex::new(Magnetometer::new(Arc::clone(source), chips))),
-        };
+        let sensors = Sensors::from(&SharedChips::feeling(source, chips));
         let elf = Arc::new(Elf::parse(firmware.bytes.clone())?);
         let options = Options {
             settings: Some(settings.to_bytes().to_vec()),

@@ -1,6 +1,6 @@
 //! Parts of the library one by one, between the marks of a program.
 
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use anyhow::{Result, ensure};
 use reflex_bench::{NOTHING, PARTS};
@@ -9,8 +9,7 @@ use super::CORE_HZ;
 use super::table::Cost;
 use crate::board::emulated::{EmulatedBoard, Sensors};
 use crate::board::{Board, Elf, Hit, Observer, Options, Watched};
-use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
-use crate::chips::{ChipOptions, Mpu6050, Stimulus, StimulusSource};
+use crate::chips::{ChipOptions, SharedChips, Stimulus, StimulusSource};
 use crate::firmware::Firmware;
 use crate::progress::Progress;
 
@@ -127,10 +126,5 @@ fn costs(measurements: Vec<u64>) -> Vec<Cost> {
 /// Chips that nobody talks to.
 pub(crate) fn at_rest() -> Sensors {
     let source: Arc<dyn StimulusSource> = Arc::new(|_| Stimulus::default());
-    let options = ChipOptions::default();
-    Sensors {
-        imu: Arc::new(Mutex::new(Mpu6050::new(Arc::clone(&source), options))),
-        accel: Arc::new(Mutex::new(Accelerometer::new(Arc::clone(&source), options))),
-        mag: Arc::new(Mutex::new(Magnetometer::new(source, options))),
-    }
+    Sensors::from(&SharedChips::feeling(&source, ChipOptions::default()))
 }

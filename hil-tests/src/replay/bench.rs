@@ -9,8 +9,7 @@ use super::observation::Observation;
 use super::{chip_options, length_ns};
 use crate::board::emulated::{EmulatedBoard, Sensors};
 use crate::board::{Board, Elf, Observer, Options, Outcome, Watched};
-use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
-use crate::chips::{Mpu6050, StimulusSource};
+use crate::chips::{SharedChips, StimulusSource};
 use crate::firmware::Firmware;
 use crate::flights::{Bench, Flight, FlightStimulus, LinkFrame, Setpoints, schedule};
 use crate::progress::Progress;
@@ -27,8 +26,7 @@ pub(super) const HANDLERS: [&str; 3] = ["EXTI0", "DMA1_STREAM0", "CAN2_TX"];
 /// Everything that is on the table.
 pub(crate) struct TestBench {
     board: Option<Box<EmulatedBoard>>,
-    pub(super) accel: Arc<Mutex<Accelerometer>>,
-    pub(super) mag: Arc<Mutex<Magnetometer>>,
+    pub(super) chips: SharedChips,
     pub(super) setpoints: Setpoints,
     pub(super) samples: Vec<SampleCount>,
     at_rest: Bench,
@@ -45,25 +43,14 @@ impl TestBench {
     ) -> Result<Self> {
         let at_rest = Bench::default();
         let source: Arc<dyn StimulusSource> = Arc::new(FlightStimulus::new(flight, at_rest));
-        let chip_options = chip_options(flight, options);
-        let imu = Mpu6050::new(Arc::clone(&source), chip_options);
-        let accel = Arc::new(Mutex::new(Accelerometer::new(
-            Arc::clone(&source),
-            chip_options,
-        )));
-        let mag = Arc::new(Mutex::new(Magnetometer::new(source, chip_options)));
-        let sensors = Sensors {
-            imu: Arc::new(Mutex::new(imu)),
-            accel: accel.clone(),
-            mag: mag.clone(),
-        };
+        let chips = SharedChips::feeling(&source, chip_options(flight, options));
         let elf = Arc::new(Elf::parse(firmware.bytes.clone())?);
         let board_options = Options {
             settings: Some(options.settings.to_bytes().to_vec()),
             watches,
             ..Options::default()
         };
-        let mut board = EmulatedBoard::boot(&elf, sensors, &board_options)?;
+        let mut board = EmulatedBoard::boot(&elf, Sensors::from(&chips), &board_options)?;
         let end_ns = at_rest.length_ns() + length_ns(flight, options);
         let setpoints = Setpoints::of(flight);
         for LinkFrame { at_ns, bytes } in schedule(flight, &setpoints, at_rest) {
@@ -73,8 +60,7 @@ impl TestBench {
         }
         Ok(Self {
             board: Some(Box::new(board)),
-            accel,
-            mag,
+            chips,
             setpoints,
             samples: Vec::new(),
             at_rest,
@@ -103,8 +89,8 @@ impl TestBench {
             board.run_until(at_ns, observer)?;
             self.samples.push(SampleCount {
                 at_ns,
-                accel: held(&self.accel).samples(),
-                mag: held(&self.mag).samples(),
+                accel: held(&self.chips.accel).samples(),
+                mag: held(&self.chips.mag).samples(),
             });
             progress.done(
                 seconds(at_ns.saturating_sub(self.at_rest.length_ns())),

@@ -43,8 +43,8 @@ impl BoardAbout<'_, '_> {
                 edges: self.observation.edges.each_ref().map(Vec::as_slice),
                 samples: &self.bench.samples,
                 chip_thresholds: [
-                    accel_threshold(&held(&self.bench.accel)),
-                    mag_threshold(&held(&self.bench.mag)),
+                    accel_threshold(&held(&self.bench.chips.accel)),
+                    mag_threshold(&held(&self.bench.chips.mag)),
                 ],
             },
         };

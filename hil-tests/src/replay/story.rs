@@ -9,6 +9,7 @@ use anyhow::{Result, bail};
 use reflex::app::{Autopilot, Call, Next, Ran, Reason, Recorder, Stamped};
 use reflex::config::{ARMED_MINIMUM, HYPERPERIOD, MOTORS};
 use reflex::reactive::{FallbackReason, Phase};
+use reflex::sensors::Inputs;
 use reflex::settings::{Policy, Settings};
 use reflex::time::Instant;
 
@@ -45,7 +46,9 @@ impl LastRan {
     /// The same calls must have come to the same bits on the host.
     pub(crate) fn check(&mut self, at: Instant, firmware: &Ran) -> Result<()> {
         let host = self.0.take();
-        if host == Some((at, *firmware)) {
+        let is_same =
+            |(host_at, host): (Instant, Ran)| host_at == at && bits(&host) == bits(firmware);
+        if host.is_some_and(is_same) {
             return Ok(());
         }
         let seconds = at.ticks() as f64 * 1e-6;
@@ -54,6 +57,17 @@ impl LastRan {
              firmware's clock: firmware {firmware:?}, host {host:?}"
         )
     }
+}
+
+/// A run to the letter: unlike `==`, zeros of different signs differ, and NaN is itself.
+fn bits(ran: &Ran) -> (Reason, Inputs, Option<u32>, [u32; MOTORS]) {
+    let expected = ran.expected.map(f32::to_bits);
+    (
+        ran.reason,
+        ran.asked,
+        expected,
+        ran.shares.map(f32::to_bits),
+    )
 }
 
 impl Recorder for LastRan {

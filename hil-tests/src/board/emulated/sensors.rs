@@ -15,7 +15,7 @@ use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::soc::stm32f427::peripherals::spi::Select;
 
 use crate::board::Line;
-use crate::chips::{I2cChip, SpiChip};
+use crate::chips::{I2cChip, SharedChips, SpiChip};
 
 /// The chips of the board, each shared with its owner.
 #[derive(Clone)]
@@ -26,6 +26,16 @@ pub struct Sensors {
     pub accel: Arc<Mutex<dyn SpiChip>>,
     /// Magnetometer die of the LSM303AGR on SPI1, select PC4, INT_MAG on PC2.
     pub mag: Arc<Mutex<dyn SpiChip>>,
+}
+
+impl From<&SharedChips> for Sensors {
+    fn from(chips: &SharedChips) -> Self {
+        Self {
+            imu: chips.imu.clone(),
+            accel: chips.accel.clone(),
+            mag: chips.mag.clone(),
+        }
+    }
 }
 
 impl fmt::Debug for Sensors {
