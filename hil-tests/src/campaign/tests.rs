@@ -61,6 +61,10 @@ impl Crew for Pretended {
     }
 }
 
+fn cells_of(findings: &Findings, of: Role, against: Role) -> &[Cell] {
+    &findings.between(of, against).unwrap().cells
+}
+
 #[test]
 fn the_smoke_plan_flies_and_comes_to_the_same_report_from_its_journal() {
     let out = tempfile::tempdir().unwrap();
@@ -81,15 +85,11 @@ fn the_smoke_plan_flies_and_comes_to_the_same_report_from_its_journal() {
         flown.crashes
     );
     assert_eq!(flown.flights.native, flown.planned);
-    let equal_runs = flown.between(Role::Reactive, Role::EqualRuns).unwrap();
-    assert_eq!(equal_runs.cells.len(), 4);
-    let observing = (
-        Role::Observing(Contender::Reactive),
-        Role::Hovering(Contender::Usual),
-    );
-    let observing = flown.between(observing.0, observing.1).unwrap();
-    assert!(observing.cells.iter().all(|cell| cell.logic == "cascade"));
-    assert_eq!(observing.cells.len(), 2);
+    assert_eq!(cells_of(&flown, Role::Reactive, Role::EqualRuns).len(), 4);
+    let observing = Role::Observing(Contender::Reactive);
+    let observing = cells_of(&flown, observing, Role::Hovering(Contender::Usual));
+    assert!(observing.iter().all(|cell| cell.logic == "cascade"));
+    assert_eq!(observing.len(), 2);
     let rates = |role: Role| {
         let mut means = flown
             .means

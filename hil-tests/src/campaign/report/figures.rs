@@ -13,8 +13,8 @@ use crate::campaign::role::{Contender, Role};
 use crate::campaign::sortie::Sortie;
 use crate::plot::{Axis, Curve, Figure, Look, Marker, Panel, Point, Scale};
 
-/// Panels beside each other.
-const COLUMNS: usize = 3;
+/// Least panels beside each other; otherwise as many as there are control logics.
+const FEWEST_COLUMNS: usize = 2;
 /// Whom reactive control is compared with, by a few words.
 const AGAINST: [(Role, Role, &str); 7] = [
     (Role::Reactive, Role::Periodic(USUAL_HZ), "400 Hz"),
@@ -59,11 +59,11 @@ pub fn all(plan: &Plan, records: &Records, findings: &Findings) -> Result<Vec<Sh
     ])
 }
 
-pub(super) fn svg(title: &str, panels: Vec<Panel>) -> Result<String> {
+pub(super) fn svg(plan: &Plan, title: &str, panels: Vec<Panel>) -> Result<String> {
     let figure = Figure {
         title: title.to_owned(),
         panels,
-        columns: COLUMNS,
+        columns: plan.logics.len().max(FEWEST_COLUMNS),
     };
     figure.to_svg()
 }
@@ -84,7 +84,7 @@ fn unchanged(plan: &Plan, findings: &Findings) -> Result<Shown> {
     Ok(Shown {
         number: "5",
         title,
-        svg: svg(title, panels.collect())?,
+        svg: svg(plan, title, panels.collect())?,
         ours: "Runs in which no motor's command differs by a quantum (1/255 of full scale) from that of the \
                run before. Bars are means over seeds, with 95 % intervals."
             .into(),
@@ -146,7 +146,7 @@ fn pitch(plan: &Plan, findings: &Findings) -> Result<Shown> {
     Ok(Shown {
         number: "9",
         title,
-        svg: svg(title, panels)?,
+        svg: svg(plan, title, panels)?,
         ours: BARS.into(),
         paper: paper::PITCH,
     })
@@ -158,7 +158,7 @@ fn roll_and_yaw(plan: &Plan, findings: &Findings) -> Result<Shown> {
     Ok(Shown {
         number: "10",
         title,
-        svg: svg(title, panels)?,
+        svg: svg(plan, title, panels)?,
         ours: BARS.into(),
         paper: paper::ROLL_AND_YAW,
     })
@@ -171,7 +171,7 @@ fn flight_time(plan: &Plan, findings: &Findings) -> Result<Shown> {
     Ok(Shown {
         number: "12",
         title,
-        svg: svg(title, panels)?,
+        svg: svg(plan, title, panels)?,
         ours: format!(
             "{BARS} Flight time is that from a full battery to 20 % at the scored part's mean power."
         ),
@@ -211,7 +211,7 @@ fn rate(plan: &Plan, records: &Records) -> Result<Shown> {
     Ok(Shown {
         number: "11",
         title,
-        svg: svg(title, vec![panel])?,
+        svg: svg(plan, title, vec![panel])?,
         ours: "Runs in each second of single flights. Reactive control begins with its warm-up, in which it \
                runs at every sample."
             .into(),
@@ -264,7 +264,7 @@ fn ways(plan: &Plan, findings: &Findings) -> Result<Shown> {
     Ok(Shown {
         number: "13",
         title,
-        svg: svg(title, vec![panel])?,
+        svg: svg(plan, title, vec![panel])?,
         ours: ways_text(findings),
         paper: paper::WAYS,
     })
@@ -342,7 +342,7 @@ fn sweeps(plan: &Plan, findings: &Findings) -> Result<Shown> {
     Ok(Shown {
         number: "14",
         title,
-        svg: svg(title, panels)?,
+        svg: svg(plan, title, panels)?,
         ours: format!(
             "{} against time-triggered control at 400 Hz. {BARS}",
             plan.sweep_logic

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::paper;
-use super::tables::{digits, percent};
+use super::tables::percent;
 use crate::campaign::comparison::{Cell, Compared, Metric};
 use crate::campaign::findings::Findings;
 use crate::campaign::interval::Interval;
@@ -123,19 +123,19 @@ fn answer(compared: &Compared, words: &str) -> Markup {
 
 /// One metric in words.
 fn sentence(metric: Metric, interval: &Interval) -> String {
-    let (name, digits) = (metric.name(), digits(metric));
+    let name = metric.name();
     let change = match (interval.mean > 0.0) == (metric == Metric::FlightTime) {
         true => "more",
         false => "less",
     };
     let by = interval.mean.abs();
-    let [low, high] = interval.ends().map(|end| percent(end, digits));
+    let [low, high] = interval.ends().map(percent);
     match interval.half_width {
-        None => format!("{name}: {by:.digits$} % {change}, of too few seeds for an interval"),
+        None => format!("{name}: {by:.2} % {change}, of too few seeds for an interval"),
         Some(half) if half >= by => {
             format!("{name}: no difference that could be told from chance, {low} to {high} %")
         }
-        Some(_) => format!("{name}: {by:.digits$} % {change}, an improvement of {low} to {high} %"),
+        Some(_) => format!("{name}: {by:.2} % {change}, an improvement of {low} to {high} %"),
     }
 }
 
@@ -153,7 +153,7 @@ fn range(metric: Metric, cells: &[Cell]) -> String {
     match low.zip(high) {
         Some(((low, worst), (high, best))) if cells.len() > 1 => {
             let (worst, best) = (place(worst), place(best));
-            let [low, high] = [low, high].map(|end| percent(end, digits(metric)));
+            let [low, high] = [low, high].map(percent);
             format!("; by cell {low} % ({worst}) to {high} % ({best})")
         }
         _ => String::new(),
@@ -225,13 +225,13 @@ mod tests {
                 Metric::Pitch,
                 3.0,
                 Some(1.0),
-                "pitch error: 3.0 % less, an improvement of +2.0 to +4.0 %",
+                "pitch error: 3.00 % less, an improvement of +2.00 to +4.00 %",
             ),
             (
                 Metric::Pitch,
                 -3.0,
                 Some(1.0),
-                "pitch error: 3.0 % more, an improvement of -4.0 to -2.0 %",
+                "pitch error: 3.00 % more, an improvement of -4.00 to -2.00 %",
             ),
             (
                 Metric::FlightTime,
@@ -249,7 +249,7 @@ mod tests {
                 Metric::Roll,
                 2.0,
                 None,
-                "roll error: 2.0 % less, of too few seeds for an interval",
+                "roll error: 2.00 % less, of too few seeds for an interval",
             ),
         ] {
             assert_eq!(sentence(metric, &interval(mean, half)), expected);

@@ -9,7 +9,13 @@ use crate::campaign::plan::Plan;
 use crate::campaign::tuning;
 
 /// What the table of improvements has columns of.
-const SHOWN: [Metric; 4] = [Metric::Pitch, Metric::Roll, Metric::Yaw, Metric::FlightTime];
+const SHOWN: [Metric; 5] = [
+    Metric::Attitude,
+    Metric::Pitch,
+    Metric::Roll,
+    Metric::Yaw,
+    Metric::FlightTime,
+];
 
 /// All tables.
 pub fn section(plan: &Plan, findings: &Findings) -> Markup {
@@ -90,7 +96,7 @@ fn improvement(cell: &Cell, metric: Metric) -> Markup {
         (Some(_), _, true) => "worse",
         _ => "",
     };
-    html! { td class=(class) { (signed(interval, digits(metric))) } }
+    html! { td class=(class) { (signed(interval)) } }
 }
 
 fn means(means: &[Means]) -> Markup {
@@ -163,25 +169,17 @@ fn names(environment: &str, airframe: &str, logic: &str) -> Markup {
     html! { td class="name" { (environment) } td class="name" { (airframe) } td class="name" { (logic) } }
 }
 
-/// Flight time differs by less than errors do.
-pub fn digits(metric: Metric) -> usize {
-    match metric {
-        Metric::FlightTime => 2,
-        _ => 1,
-    }
-}
-
-fn signed(interval: &Interval, digits: usize) -> String {
-    let mean = percent(interval.mean, digits);
+fn signed(interval: &Interval) -> String {
+    let mean = percent(interval.mean);
     match interval.half_width {
-        Some(half) => format!("{mean} ± {half:.digits$}"),
+        Some(half) => format!("{mean} ± {half:.2}"),
         None => mean,
     }
 }
 
 /// A number with its sign; what rounds to zero has none.
-pub fn percent(value: f64, digits: usize) -> String {
-    let text = format!("{value:+.digits$}");
+pub fn percent(value: f64) -> String {
+    let text = format!("{value:+.2}");
     if text
         .trim_start_matches(['+', '-'])
         .chars()
@@ -209,14 +207,14 @@ mod tests {
 
     #[test]
     fn what_rounds_to_zero_has_no_sign() {
-        for (value, digits, text) in [
-            (1.25, 1, "+1.2"),
-            (-0.04, 1, "0.0"),
-            (0.04, 1, "0.0"),
-            (-0.04, 2, "-0.04"),
-            (0.0, 2, "0.00"),
+        for (value, text) in [
+            (1.25, "+1.25"),
+            (-0.004, "0.00"),
+            (0.004, "0.00"),
+            (-0.04, "-0.04"),
+            (0.0, "0.00"),
         ] {
-            assert_eq!(percent(value, digits), text);
+            assert_eq!(percent(value), text);
         }
     }
 }

@@ -28,7 +28,7 @@ pub fn rates(plan: &Plan, findings: &Findings) -> Result<Shown> {
     Ok(Shown {
         number: "",
         title,
-        svg: svg(title, panels.collect())?,
+        svg: svg(plan, title, panels.collect())?,
         ours: format!(
             "{airframe}, with the gains as they are configured. Where the curve is flat, when control \
              runs cannot matter either: the loops are slower than the rate. {BARS}"
