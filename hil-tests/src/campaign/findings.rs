@@ -194,7 +194,7 @@ fn sweeps(plan: &Plan, records: &Records) -> Vec<Swept> {
     let p_runs = p_runs.chain([(configured, Role::Reactive)]);
     let failsafes = plan.failsafes.iter();
     let failsafes = failsafes.map(|value| (f64::from(*value) / 1e3, Role::Failsafe(*value)));
-    let configured = settings.failsafe.ticks() as f64 * 1e-6;
+    let configured = settings.failsafe.ticks() as f64 / 1e6;
     let failsafes = failsafes.chain([(configured, Role::Reactive)]);
     let p_runs = p_runs.map(|(value, role)| ("p_run", value, role));
     let failsafes = failsafes.map(|(value, role)| ("failsafe_s", value, role));

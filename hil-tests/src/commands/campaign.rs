@@ -115,6 +115,7 @@ fn summary(findings: &Findings, options: &CampaignOptions) -> String {
             findings.crashes.len()
         ),
         "improvement in %, mean of all cells with its 95 % interval; positive is better".to_owned(),
+        heading(),
     ];
     lines.extend(findings.comparisons.iter().map(comparison));
     for name in ["flights.parquet", "report.html"] {
@@ -123,17 +124,24 @@ fn summary(findings: &Findings, options: &CampaignOptions) -> String {
     lines.join("\n") + "\n"
 }
 
+/// What the summary has columns of.
+const COLUMNS: [Metric; 3] = [Metric::Attitude, Metric::Pitch, Metric::FlightTime];
+
+fn heading() -> String {
+    COLUMNS
+        .map(|metric| format!("{:>15}", metric.name()))
+        .concat()
+}
+
 fn comparison(compared: &Compared) -> String {
-    let metrics = [Metric::Attitude, Metric::Pitch, Metric::FlightTime].map(|metric| {
-        let name = metric.name();
-        match compared.improvement_percent.get(&metric) {
-            None => format!("{name} -"),
-            Some(interval) => {
-                let half = interval.half_width;
-                let half = half.map_or(String::new(), |half| format!(" ± {half:.1}"));
-                format!("{name} {:+.1}{half}", interval.mean)
-            }
-        }
+    let columns = COLUMNS.map(|metric| {
+        let interval = compared.improvement_percent.get(&metric);
+        let text = interval.map_or("-".to_owned(), |interval| {
+            let half = interval.half_width;
+            let half = half.map_or(String::new(), |half| format!(" ± {half:.2}"));
+            format!("{:+.2}{half}", interval.mean)
+        });
+        format!("{text:>15}")
     });
-    format!("{:<48} {}", compared.comparison.name, metrics.join(", "))
+    format!("{}  {}", columns.concat(), compared.comparison.name)
 }
