@@ -1,4 +1,4 @@
-//! The rate loop with a disturbance observer: what turns the body besides the motors is cancelled.
+//! The rate loop with an observer: what disturbs is estimated and cancelled.
 //!
 //! A model of the motors tells how a demand moves the rates. What they did besides, behind a
 //! low-pass filter, is the disturbance (Chen et al. 2000, "A nonlinear disturbance observer for

@@ -1,4 +1,4 @@
-//! The observer: the cascade, whose rate loop cancels what disturbs instead of integrating.
+//! The observer: the cascade, whose rate loop cancels what disturbs.
 //!
 //! ```text
 //! motion ----+--> filter --> attitude --+

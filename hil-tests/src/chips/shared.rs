@@ -1,4 +1,4 @@
-//! All chips of the board around one source, each shared with whoever looks into it.
+//! All chips of the board around one source, shared with who looks into them.
 
 use std::sync::{Arc, Mutex};
 

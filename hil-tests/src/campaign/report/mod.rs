@@ -64,9 +64,9 @@ pub fn html(plan: &Plan, records: &Records, findings: &Findings, date: &str) -> 
             body {
                 h1 { "Reactive against periodic control" }
                 (headline::section(findings))
-                (tables::section(plan, findings))
                 h2 { "Figures" }
                 @for shown in &figures { (figure(shown)) }
+                (tables::section(plan, findings))
                 (made::section(plan, findings))
                 // On a line of its own, so that two reports of the same flights differ in that alone.
                 (PreEscaped("\n")) p { "Written on " (date) "." } (PreEscaped("\n"))

@@ -37,7 +37,10 @@ pub fn section(plan: &Plan, findings: &Findings) -> Markup {
             "learned or no longer trusted what it had. Unchanged: no motor's command differs by a quantum from "
             "that of the run before."
         }
-        (means(&findings.means))
+        details {
+            summary { "All of them" }
+            (means(&findings.means))
+        }
         (loads(plan, findings))
         @if !findings.tunings.is_empty() { (tunings(plan, findings)) }
     }
