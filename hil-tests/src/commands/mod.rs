@@ -9,6 +9,8 @@ mod campaign;
 mod fly;
 mod graph;
 mod quantities;
+#[cfg(test)]
+mod reference;
 mod replay;
 mod replay_arguments;
 mod settings_arguments;
