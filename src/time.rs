@@ -4,11 +4,10 @@
 //! interrupt or by a timer, so that the same calls give the same bits on any machine.
 //! The types are `fugit`'s, the ones the hardware abstraction layer's monotonic uses too.
 
+pub use reflex_settings::{Duration, micros};
+
 /// A point in time, in microseconds since the clock started.
 pub type Instant = fugit::TimerInstantU64<1_000_000>;
-
-/// A span of time, in microseconds.
-pub type Duration = fugit::MicrosDurationU64;
 
 /// The time from `earlier` to `later`; zero where the stamps go back.
 #[must_use]
@@ -30,12 +29,6 @@ pub fn seconds(span: Duration) -> f32 {
 #[must_use]
 pub const fn at_micros(micros: u64) -> Instant {
     Instant::from_ticks(micros)
-}
-
-/// A span from its count of microseconds.
-#[must_use]
-pub const fn micros(micros: u64) -> Duration {
-    Duration::from_ticks(micros)
 }
 
 #[cfg(test)]

@@ -3,9 +3,9 @@
 //! What a file must hold is a table of [`Gain`] in `logics.rs`: the checks and the constants of
 //! the firmware both come from it.
 
-use std::fmt;
 use std::path::Path;
 
+use reflex_settings::Range;
 use toml::Value;
 
 use crate::document::Document;
@@ -34,31 +34,6 @@ pub(crate) enum Shape {
     Number,
     /// Three: roll, pitch, yaw.
     Axes,
-}
-
-/// What a number may be; NaN is in no range.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Range {
-    pub low: f64,
-    pub high: f64,
-    pub low_excluded: bool,
-}
-
-impl Range {
-    fn contains(&self, number: f64) -> bool {
-        (self.low..=self.high).contains(&number) && !(self.low_excluded && number == self.low)
-    }
-}
-
-impl fmt::Display for Range {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { low, high, .. } = self;
-        if self.low_excluded {
-            write!(f, "above {low} and at most {high}")
-        } else {
-            write!(f, "{low} to {high}")
-        }
-    }
 }
 
 impl Gain {

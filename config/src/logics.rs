@@ -9,7 +9,9 @@ mod cleanflight;
 mod observer;
 mod openpilot;
 
-use crate::logic::{Gain, Range, Shape};
+use reflex_settings::{Range, above, within};
+
+use crate::logic::{Gain, Shape};
 
 /// Every control logic: the name of its file and its gains.
 pub(crate) const LOGICS: &[(&str, &[Gain])] = &[
@@ -40,24 +42,6 @@ const fn axes(path: [&'static str; 2], range: Range, unit: &'static str) -> Gain
     let mut gain = number(path, range, unit);
     gain.shape = Shape::Axes;
     gain
-}
-
-/// From one number to another, both included.
-const fn within(low: f64, high: f64) -> Range {
-    Range {
-        low,
-        high,
-        low_excluded: false,
-    }
-}
-
-/// Above one number and at most another.
-const fn above(low: f64, high: f64) -> Range {
-    Range {
-        low,
-        high,
-        low_excluded: true,
-    }
 }
 
 impl Gain {

@@ -30,6 +30,7 @@ struct Rule {
 
 const EVERYWHERE: &[&str] = &[
     "src/",
+    "settings/",
     "drivers/",
     "config/",
     "dataflow-macros/",
