@@ -3,89 +3,54 @@
 //! Each `on_*` call carries its own instant, records itself, never waits and never panics. The
 //! same calls in the same order give the same motor commands, bit for bit, on any machine.
 //!
-//! ```text
-//! on_imu, on_chip_* -> arrival stage -> triggers -> asked? -> end of the hyperperiod
-//! on_hyperperiod, on_timer -> graph -> motor gate -> MotorOutput;  labels, new references
-//! refit_due -> (fit in idle) -> on_refit -> thresholds -> next_order -> the chips
-//! ```
+//! A sample's way is `on_imu`, `on_hyperperiod` and `run` below: take, ask; then, where a run is
+//! due, estimate and control, gate, learn.
 
 mod call;
 mod chips;
-mod goals;
-mod hyperperiod;
-mod inputs;
-mod learners;
-mod learning;
-mod liveness;
-mod outcome;
-mod runs;
-mod schedule;
-mod setpoints;
-mod types;
+mod demand;
+mod door;
+mod record;
+mod sensing;
+mod telemetry;
 
+pub use crate::reactive::{Next, Outcome, Reason};
 pub use call::{Call, CallRing, DecodeError, LONGEST_RECORD, RING_LENGTH, Ran, Recorder, Stamped};
-pub use outcome::Outcome;
-pub use types::{ChipOrder, Fault, Next, OrderError, Reason};
+pub use door::{ChipOrder, Fault, OrderError};
+pub use telemetry::{Event, Events, Telemetry};
 
-use crate::estimate::{Arrival, GyroCalibration};
+use crate::control::Setpoint;
+use crate::estimate::{Motion, Place};
 use crate::graph::{ControlLogic, Flown};
-use crate::reactive::{Exploration, Limits, Supervisor};
-use crate::safety::{Arming, MotorGate};
+use crate::link::{Answer, Destination, ExternalPose, Message};
+use crate::math::{Vec3, wrapped};
+use crate::reactive::{FallbackReason, Fit, PhaseEvent, Reactive, Refit, RefitJob, Review, Run};
+use crate::safety::{Arming, ArmingEvent, MotorOutput, Passed, Refusal, Safety};
+use crate::sensors::{Cause, IMU_BURST_LENGTH, ImuSample, Input, Inputs, chip_field, chip_force};
 use crate::settings::Settings;
-use crate::telemetry::{Event, Events, Telemetry};
 use crate::time::Instant;
-use crate::units::BodyRates;
 use chips::Chips;
-use learners::Learners;
-use liveness::Liveness;
-use schedule::Schedule;
-use setpoints::SetpointWatch;
+use demand::{Demand, Flight};
+use record::Record;
+use sensing::{Sensing, Taken};
 
 /// The whole flight software above the board.
 #[derive(Debug)]
 pub struct Autopilot<R, L = Flown> {
-    recorder: R,
-    settings: Settings,
-    /// The newest instant that any call carried.
-    clock: Instant,
-
-    calibration: GyroCalibration,
-    bias: Option<BodyRates>,
-    arrival: Arrival,
-    heading: Heading,
-    /// When the newest place came.
-    placed_at: Option<Instant>,
-    setpoints: SetpointWatch,
-    liveness: Liveness,
-
+    /// What the sensors say.
+    sensing: Sensing,
+    /// What shall be flown.
+    demand: Demand,
+    /// When control runs.
+    reactive: Reactive,
+    /// The estimator and the control laws.
     graph: L,
-    /// The graph took motion that no run has judged yet.
-    advanced: bool,
-    arming: Arming,
-    gate: MotorGate,
-
-    learners: Learners,
-    /// Models were swapped in since the last run.
-    unjudged: bool,
-    supervisor: Supervisor,
-    limits: Limits,
-    exploration: Exploration,
-    schedule: Schedule,
+    /// Whether motors may turn, and the gate to them.
+    safety: Safety,
+    /// Orders to the chips that compare by themselves.
     chips: Chips,
-
-    faults: [u32; Fault::COUNT],
-    outcomes: [u32; Outcome::COUNT],
-    events: Events,
-}
-
-/// The error of the estimated heading, from a magnetometer or an external pose.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Heading {
-    /// Direction of the horizontal field when it was first seen, rad in Earth axes.
-    field: Option<f32>,
-    error: Option<(Instant, f32)>,
-    /// When an external pose last gave a heading: it goes before the magnetometer.
-    pose_at: Option<Instant>,
+    /// What happened.
+    record: Record<R>,
 }
 
 impl<R: Recorder> Autopilot<R> {
@@ -101,71 +66,488 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     #[must_use]
     pub fn with_logic(settings: Settings, recorder: R, graph: L) -> Self {
         Self {
-            recorder,
-            settings,
-            clock: Instant::from_ticks(0),
-            calibration: GyroCalibration::default(),
-            bias: None,
-            arrival: Arrival::default(),
-            heading: Heading::default(),
-            placed_at: None,
-            setpoints: SetpointWatch::default(),
-            liveness: Liveness::default(),
+            sensing: Sensing::new(&settings),
+            demand: Demand::default(),
+            reactive: Reactive::new(&settings),
             graph,
-            advanced: false,
-            arming: Arming::default(),
-            gate: MotorGate::default(),
-            learners: Learners::new(&settings),
-            unjudged: false,
-            supervisor: Supervisor::new(settings.policy, settings.warm_up),
-            limits: Limits::default(),
-            exploration: Exploration::new(settings.seed),
-            schedule: Schedule::new(&settings),
+            safety: Safety::default(),
             chips: Chips::default(),
-            faults: [0; Fault::COUNT],
-            outcomes: [0; Outcome::COUNT],
-            events: Events::default(),
+            record: Record::new(recorder),
         }
     }
 
-    /// Takes note of a call and its instant.
-    fn note(&mut self, at: Instant, call: Call) {
-        self.clock = self.clock.max(at);
-        self.recorder.record(at, &call);
+    // The way of a sample, from its burst to the motors.
+
+    /// A burst of the MPU6050 was received; `at` is the stamp of its interrupt.
+    ///
+    /// Filters, sums and compares; ends the hyperperiod where it is the last that gates.
+    pub fn on_imu(&mut self, at: Instant, burst: &[u8; IMU_BURST_LENGTH]) -> Next {
+        self.record.call(at, Call::Imu(*burst));
+        let Some(summed) = self.take(at, burst) else {
+            return Next::Wait;
+        };
+        if summed {
+            self.ask(at);
+        }
+        self.reactive.end_hyperperiod(at, Inputs::OF_IMU)
     }
+
+    /// The hyperperiod ended: control runs if a run is due.
+    ///
+    /// The output must be written to the motors at once.
+    pub fn on_hyperperiod(&mut self, now: Instant) -> Option<MotorOutput> {
+        self.record.call(now, Call::Hyperperiod);
+        if self.reactive.notice_late_run(now) {
+            self.record.fault(Fault::LateRun);
+        }
+        let reason = self.reactive.take_due(now)?;
+        Some(self.run(now, reason))
+    }
+
+    /// Takes what the sensors say, runs the graph, passes the gate, learns.
+    fn run(&mut self, now: Instant, reason: Reason) -> MotorOutput {
+        self.check_silences(now);
+        let motion = self.sensing.take_motion();
+        self.propagate(now, &motion);
+        let passed = self.pass_gate();
+        self.learn(now, reason, &motion, &passed);
+        passed.output
+    }
+
+    // The steps of that way.
+
+    /// Calibrates with a sample, or filters and sums it; true where it was summed, `None` where
+    /// it does not count as a sample.
+    fn take(&mut self, at: Instant, burst: &[u8; IMU_BURST_LENGTH]) -> Option<bool> {
+        let Some(sample) = ImuSample::from_burst(at, burst) else {
+            self.record.fault(Fault::ImuStale);
+            return None;
+        };
+        let (armed, cutoff) = (self.safety.is_armed(), self.graph.derivative_cutoff());
+        match self.sensing.take(&sample, burst, armed, cutoff) {
+            Taken::Calibrating => return None,
+            Taken::Calibrated(force) => {
+                self.graph.align(force);
+                self.move_arming(ArmingEvent::Calibrated);
+                return None;
+            }
+            Taken::Stuck { now } => {
+                if now {
+                    self.record.fault(Fault::ImuStuck);
+                }
+                self.move_phase(PhaseEvent::Fail(FallbackReason::ImuLost));
+                return Some(false);
+            }
+            Taken::Filtered { jumped } => {
+                if self.reactive.is_blind() {
+                    self.move_phase(PhaseEvent::ImuBack);
+                }
+                if jumped {
+                    self.record.fault(Fault::ImuJump);
+                }
+            }
+        }
+        Some(true)
+    }
+
+    /// Shows the filtered sample to its inputs, and what can be derived from it.
+    fn ask(&mut self, at: Instant) {
+        let motion = self.sensing.motion();
+        let (rates, force) = (motion.rotation.rates.0, self.sensing.force().0);
+        self.reactive.take_motion(rates, force, motion.sums.angle);
+        if self.reactive.foresees() {
+            self.foresee(at, &motion);
+        }
+    }
+
+    /// Shows the command that a run would come to.
+    fn foresee(&mut self, at: Instant, motion: &Motion) {
+        self.graph.take(motion, self.sensing.heading_error(at));
+        let foreseen = self.graph.foresee();
+        self.reactive.take_foreseen(&foreseen.shares);
+        if foreseen.saturated != self.graph.mixed().saturated {
+            self.advance(at);
+        }
+    }
+
+    /// The graph takes the motion, estimates and controls.
+    fn propagate(&mut self, now: Instant, motion: &Motion) {
+        self.graph.go_blind(self.reactive.is_blind());
+        self.graph.take(motion, self.sensing.heading_error(now));
+        self.graph.run();
+        if !self.safety.is_armed() {
+            self.graph.reset_integrals();
+        }
+    }
+
+    fn pass_gate(&mut self) -> Passed {
+        let passed = self.safety.pass(&self.graph.mixed().shares);
+        if passed.refused {
+            self.record.fault(Fault::Command);
+        }
+        passed
+    }
+
+    /// What a run taught, and what follows; its samples are the new references.
+    fn learn(&mut self, now: Instant, reason: Reason, motion: &Motion, passed: &Passed) {
+        let applied = passed.output.share();
+        let run = Run {
+            at: now,
+            reason,
+            moved: motion.sums.dt > 0.0,
+            before: &passed.before,
+            applied: &applied,
+        };
+        let record = &mut self.record;
+        let judged = self
+            .reactive
+            .learn(&run, |input, label| record.label(input, label));
+        if let Some(reason) = self.reactive.passed_limit() {
+            self.move_phase(PhaseEvent::Fail(reason));
+        }
+        self.review_models(now);
+        self.reactive
+            .on_run(&run, motion.sums.angle, self.graph.flown());
+        self.chips.on_run();
+        let ran = Ran {
+            reason,
+            asked: judged.asked,
+            expected: judged.expected,
+            shares: applied,
+        };
+        self.record
+            .ran(now, ran, judged.changed, self.reactive.runs());
+    }
+
+    /// What the newest models mean: whether the phase ends, and the chips' thresholds.
+    fn review_models(&mut self, now: Instant) {
+        match self.reactive.review_models(now, self.chips.delivering()) {
+            None => {}
+            // Brings the new phase's thresholds with it.
+            Some(Review::Move(event)) => self.move_phase(event),
+            Some(Review::Stay(turning)) => {
+                if !turning.is_empty() {
+                    self.record.event(Event::Lags(turning));
+                }
+                self.want_thresholds();
+            }
+        }
+    }
+
+    /// The graph takes the motion so far; the motors keep their command.
+    ///
+    /// What states come to depends on what held while time passed, as the setpoint and
+    /// saturation. Where that changes between runs, what is past is taken first, so that states
+    /// do not depend on how often control runs. Not inlined: in its many places it would cost 2 KiB.
+    #[inline(never)]
+    fn advance(&mut self, now: Instant) {
+        let motion = self.sensing.take_motion();
+        if motion.sums.dt > 0.0 {
+            self.graph.take(&motion, self.sensing.heading_error(now));
+            self.graph.run();
+            self.reactive.on_advance(motion.sums.angle);
+        }
+    }
+
+    // Time.
+
+    /// The timer that depends on no sensor: control runs if the failsafe is due.
+    ///
+    /// To be called at [`Self::deadline`]; an early call does no harm.
+    pub fn on_timer(&mut self, now: Instant) -> Option<MotorOutput> {
+        self.record.call(now, Call::Timer);
+        if now < self.deadline() {
+            return None;
+        }
+        Some(self.run(now, Reason::Failsafe))
+    }
+
+    /// When [`Self::on_timer`] is due next.
+    #[must_use]
+    pub fn deadline(&self) -> Instant {
+        self.reactive.deadline()
+    }
+
+    /// Looked at in every run, whoever asked for it: a drone that tumbles without its gyroscope
+    /// may be run by the other chip often enough that the failsafe never is.
+    fn check_silences(&mut self, now: Instant) {
+        if self.sensing.notice_silence(now) {
+            self.on_imu_silent();
+        }
+        self.check_chips(now);
+        let armed = self.safety.is_armed();
+        if let Some((flight, event)) = self.demand.after_silence(now, armed, &self.graph) {
+            self.fly(now, flight);
+            self.record.event(event);
+        }
+    }
+
+    fn on_imu_silent(&mut self) {
+        self.record.fault(Fault::ImuSilent);
+        self.move_arming(ArmingEvent::ImuLost);
+        self.move_phase(PhaseEvent::Fail(FallbackReason::ImuLost));
+        if self.safety.arming() == Arming::Calibrating {
+            self.sensing.forget_calibration();
+        }
+    }
+
+    // The other chip.
+
+    /// A sample of the LSM303AGR's accelerometer; `at` is the stamp of its interrupt.
+    pub fn on_chip_accel(&mut self, at: Instant, counts: [i16; 3], cause: Cause) -> Next {
+        self.record.call(at, Call::ChipAccel(counts, cause));
+        if self.chips.accel.on_sample(at, counts) {
+            self.record.fault(Fault::AccelStuck);
+            self.on_chip_lost(Input::ChipAccel);
+        }
+        self.on_chip_sample(at, Input::ChipAccel, chip_force(counts).0, cause)
+    }
+
+    /// A sample of the LSM303AGR's magnetometer, its OFFSET registers added back.
+    pub fn on_chip_mag(&mut self, at: Instant, counts: [i16; 3], cause: Cause) -> Next {
+        self.record.call(at, Call::ChipMag(counts, cause));
+        if self.chips.mag.on_sample(at, counts) {
+            self.record.fault(Fault::MagStuck);
+            self.on_chip_lost(Input::ChipMag);
+        }
+        let field = chip_field(counts).0;
+        if !self.chips.mag.is_stuck() {
+            self.sensing.take_field(at, field, self.graph.estimate());
+        }
+        self.on_chip_sample(at, Input::ChipMag, field, cause)
+    }
+
+    fn on_chip_sample(&mut self, at: Instant, input: Input, sample: Vec3, cause: Cause) -> Next {
+        let (record, command) = (&mut self.record, self.safety.applied());
+        self.reactive
+            .take_sample(at, input, (sample, cause), command, |input, label| {
+                record.label(input, label);
+            })
+    }
+
+    /// A chip fell silent or repeats itself: what its model knew is missing from now on.
+    fn on_chip_lost(&mut self, input: Input) {
+        if self.reactive.is_counted_on(input) {
+            self.move_phase(PhaseEvent::Fail(FallbackReason::SensorLost));
+        }
+    }
+
+    // What the peer asks for.
+
+    /// A message of the link; the answer where it was a command.
+    pub fn on_message(&mut self, at: Instant, message: &Message) -> (Next, Option<Answer>) {
+        self.record.call(at, Call::Message(*message));
+        if !message.is_finite() {
+            self.record.fault(Fault::NotFinite);
+            return (Next::Wait, None);
+        }
+        match message {
+            Message::Heartbeat => {}
+            Message::Setpoint(setpoint) => self.on_setpoint(at, setpoint),
+            Message::Arm(arm) => return self.on_arm(*arm),
+            Message::Pose(pose) => self.on_pose(at, pose),
+            Message::Goal(destination) => self.on_goal(at, destination),
+        }
+        (Next::Wait, None)
+    }
+
+    /// A setpoint joins: the next run uses it. It forces a run once it moved past its quantum.
+    fn on_setpoint(&mut self, at: Instant, setpoint: &Setpoint) {
+        if self.graph.flown_to().is_some() {
+            self.demand.forget();
+        }
+        let first = self.demand.is_silent();
+        let turning = self.demand.take_setpoint(at, self.graph.flown(), setpoint);
+        if Reactive::are_aerobatics(turning) {
+            self.move_phase(PhaseEvent::Fail(FallbackReason::Aerobatics));
+        }
+        self.fly(at, Flight::Setpoint(*setpoint));
+        self.reactive.take_setpoint(setpoint, first);
+    }
+
+    /// A goal joins: the next run flies to it. Past its quantum it forces one.
+    ///
+    /// Without a fresh place it is refused, since position loops would begin where the drone was
+    /// when the last one came. The setpoint in force then keeps its own timeout.
+    fn on_goal(&mut self, at: Instant, destination: &Destination) {
+        if !self.graph.flies_to_goals() || !self.demand.knows_place(at) {
+            self.record.fault(Fault::Goal);
+            return;
+        }
+        self.advance(at);
+        let before = self.graph.flown_to();
+        // The heading at the beginning: one taken anew each time would turn with every error.
+        let heading = before.map_or_else(|| self.graph.estimate().heading(), |goal| goal.heading);
+        let goal = destination.goal(heading);
+        self.fly(at, Flight::Goal(goal));
+        self.demand.take_goal(at);
+        self.reactive.take_goal(before.as_ref(), &goal);
+    }
+
+    /// A pose joins: its place clocks the position loops, its attitude shows yaw drift.
+    fn on_pose(&mut self, at: Instant, pose: &ExternalPose) {
+        if self.graph.flies_to_goals() {
+            let dt = self.demand.take_place(at);
+            // Behind the motion; motors keep their command.
+            self.advance(at);
+            self.graph.see(Place {
+                position: pose.position,
+                velocity: pose.velocity,
+                dt,
+            });
+            self.graph.run();
+        }
+        if let Some(attitude) = pose.attitude {
+            let error = wrapped(attitude.heading() - self.graph.estimate().heading());
+            self.sensing.take_pose_error(at, error);
+        }
+    }
+
+    /// A new setpoint or goal, behind the motion that the one before led to.
+    fn fly(&mut self, now: Instant, flight: Flight) {
+        self.advance(now);
+        match flight {
+            Flight::Setpoint(setpoint) => {
+                self.graph.fly_to(None);
+                self.graph.fly(setpoint);
+            }
+            Flight::Goal(goal) => self.graph.fly_to(Some(goal)),
+        }
+        self.graph.run();
+    }
+
+    fn on_arm(&mut self, arm: bool) -> (Next, Option<Answer>) {
+        if !arm {
+            self.move_arming(ArmingEvent::Disarm);
+            // The motors stop now, not when the next sample comes.
+            self.reactive.force(Reason::Ground);
+            return (Next::Hyperperiod, Some(Answer::Accepted));
+        }
+        let moved = self.safety.arm(self.graph.estimate().down_in_body());
+        let answer = if self.settle_arming(moved) {
+            Answer::Accepted
+        } else {
+            Answer::TemporarilyRejected
+        };
+        (Next::Wait, Some(answer))
+    }
+
+    // States.
+
+    fn move_arming(&mut self, event: ArmingEvent) {
+        let moved = self.safety.on_event(event);
+        self.settle_arming(moved);
+    }
+
+    /// What a new arming state brings with it; false where it was refused.
+    fn settle_arming(&mut self, moved: Result<Option<Arming>, Refusal>) -> bool {
+        match moved {
+            Ok(Some(arming)) => {
+                self.record.event(Event::Arming(arming));
+                self.on_arming_changed(arming);
+            }
+            Ok(None) => {}
+            Err(refusal) => self.record.event(Event::Refused(refusal)),
+        }
+        moved.is_ok()
+    }
+
+    fn on_arming_changed(&mut self, arming: Arming) {
+        let event = match arming {
+            Arming::Armed => PhaseEvent::Armed,
+            Arming::Disarmed | Arming::Calibrating => {
+                // The next flight shall not begin with the thrust that this one ended with.
+                self.fly(self.record.clock(), Flight::Setpoint(Setpoint::default()));
+                self.demand.forget();
+                PhaseEvent::Disarmed
+            }
+        };
+        self.move_phase(event);
+    }
+
+    fn move_phase(&mut self, event: PhaseEvent) {
+        if let Some(phase) = self.reactive.on_phase_event(event, self.record.clock()) {
+            self.record.event(Event::Phase(phase));
+            self.chips.retry();
+            self.want_thresholds();
+        }
+    }
+
+    // Models.
+
+    /// The labels of an input whose refit is due, copied: to be fitted in idle, without a lock.
+    #[must_use]
+    pub fn refit_due(&self, now: Instant) -> Option<RefitJob> {
+        self.reactive.refit_due(now)
+    }
+
+    /// Swaps a fit in and forgets a little; the next run judges what it means.
+    ///
+    /// A symbol of its own, so that the lock around it can be measured.
+    #[inline(never)]
+    pub fn on_refit(&mut self, now: Instant, refit: Refit) {
+        self.record.call(now, Call::Refit(refit));
+        let Refit { input, mut fit } = refit;
+        if !fit.is_usable() {
+            self.record.fault(Fault::NotFinite);
+            fit = Fit::Unfit;
+        }
+        let labels = self.reactive.swap_model(now, &Refit { input, fit });
+        self.record.event(Event::Refit {
+            input,
+            fit,
+            threshold: self.reactive.threshold(input),
+            labels,
+        });
+    }
+
+    /// The change of an input above which it calls for a run, in its SI unit.
+    #[must_use]
+    pub fn threshold(&self, input: Input) -> f32 {
+        self.reactive.threshold(input)
+    }
+
+    /// What the labels say of an input.
+    #[must_use]
+    pub fn fit(&self, input: Input) -> Fit {
+        self.reactive.fit(input)
+    }
+
+    // What happened.
 
     /// Something went wrong outside: counted, and told in the log.
     pub fn on_fault(&mut self, at: Instant, fault: Fault) {
-        self.note(at, Call::Fault(fault));
-        self.count(fault);
-    }
-
-    fn count(&mut self, fault: Fault) {
-        if let Some(count) = self.faults.get_mut(fault as usize) {
-            *count = count.saturating_add(1);
-            let count = *count;
-            // The first few of a kind, then at powers of two: a storm must not drown the log.
-            if count.is_power_of_two() {
-                self.events.push(Event::Fault(fault, count));
-            }
-        }
+        self.record.call(at, Call::Fault(fault));
+        self.record.fault(fault);
     }
 
     /// How often a fault was counted.
     #[must_use]
     pub fn faults(&self, fault: Fault) -> u32 {
-        self.faults.get(fault as usize).copied().unwrap_or(0)
+        self.record.faults(fault)
     }
 
     /// How often runs in reactive control turned out this way.
     #[must_use]
     pub fn outcomes(&self, outcome: Outcome) -> u32 {
-        self.outcomes.get(outcome as usize).copied().unwrap_or(0)
+        self.reactive.outcomes(outcome)
     }
 
     /// The oldest event that waits for the log.
     pub fn next_event(&mut self) -> Option<Event> {
-        self.events.pop()
+        self.record.events().pop()
+    }
+
+    /// The state in brief.
+    #[must_use]
+    pub fn telemetry(&self) -> Telemetry {
+        Telemetry {
+            arming: self.safety.arming(),
+            phase: self.reactive.phase(),
+            attitude: self.graph.estimate(),
+            runs: self.reactive.runs(),
+            dropped_events: self.record.dropped_events(),
+        }
     }
 
     /// The control logic, for a host that looks at it while the autopilot lives.
@@ -175,19 +557,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
 
     /// The recorder, for a host that reads it while the autopilot lives.
     pub fn recorder(&mut self) -> &mut R {
-        &mut self.recorder
-    }
-
-    /// The state in brief.
-    #[must_use]
-    pub fn telemetry(&self) -> Telemetry {
-        Telemetry {
-            arming: self.arming,
-            phase: self.supervisor.phase(),
-            attitude: self.graph.estimate(),
-            runs: self.schedule.runs(),
-            dropped_events: self.events.dropped(),
-        }
+        self.record.recorder()
     }
 }
 

@@ -8,7 +8,7 @@
 //! - [`graph`] on [`dataflow`]: control logics as graphs that run only what a change reaches
 //! - [`estimate`], [`control`], [`airframe`]: from samples to motor commands
 //! - [`safety`]: arming and the motor gate
-//! - [`link`], [`telemetry`], [`settings`], [`config`]: the world outside
+//! - [`link`], [`settings`], [`config`]: the world outside
 //! - [`sensors`], [`units`], [`time`], [`math`]: the words all of them are written in
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
@@ -34,10 +34,10 @@ pub mod estimate;
 pub mod graph;
 pub mod link;
 pub mod math;
+mod numbered;
 pub mod reactive;
 pub mod safety;
 pub mod sensors;
 pub mod settings;
-pub mod telemetry;
 pub mod time;
 pub mod units;

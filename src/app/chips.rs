@@ -4,14 +4,10 @@
 //! and only tells of a change past its threshold. Orders go out one at a time per chip, are
 //! read back by the board, and are repeated while they fail.
 
-use super::hyperperiod::GATES;
-use super::{Autopilot, Call, ChipOrder, Fault, OrderError, Recorder};
+use super::{Autopilot, Call, ChipOrder, Event, Fault, OrderError, Recorder};
 use crate::config::{CHIP_ACCEL, CHIP_ACCEL_RATE, CHIP_MAG};
 use crate::graph::ControlLogic;
-use crate::reactive::{FallbackReason, Fit, Phase, PhaseEvent};
-use crate::sensors::{GRAVITY, Input, MAG_SCALE};
-use crate::settings::Reference;
-use crate::telemetry::Event;
+use crate::sensors::{GRAVITY, Input, Inputs, MAG_SCALE};
 use crate::time::{Duration, Instant, micros, seconds, span};
 
 /// m/s2 per code of the accelerometer's threshold at +-2 g: 16 mg (LSM303AGR, INT1_THS_A).
@@ -177,6 +173,14 @@ impl Chips {
         !chip.silence_told && !chip.is_stuck()
     }
 
+    /// The inputs that deliver.
+    pub(super) fn delivering(&self) -> Inputs {
+        Input::ALL
+            .into_iter()
+            .filter(|input| self.delivers(*input))
+            .fold(Inputs::NONE, Inputs::with)
+    }
+
     /// A new phase: what is under way is not waited for.
     pub(super) fn retry(&mut self) {
         self.accel.quiet_since = None;
@@ -187,7 +191,7 @@ impl Chips {
 impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// The next order for the LSM303AGR, where one is due; the board reports when it is done.
     pub fn next_order(&mut self) -> Option<ChipOrder> {
-        let (now, failsafe) = (self.clock, self.settings.failsafe);
+        let (now, failsafe) = (self.record.clock(), self.reactive.failsafe());
         if let Some(need) = self.chips.accel.need(now, CHIP_ACCEL.period, failsafe) {
             return Some(match need {
                 Need::Program(Mode::DataReady) => ChipOrder::AccelDataReady,
@@ -207,7 +211,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
 
     /// The board carried an order out, or could not.
     pub fn on_order_done(&mut self, at: Instant, order: ChipOrder, result: Result<(), OrderError>) {
-        self.note(at, Call::OrderDone(order, result));
+        self.record.call(at, Call::OrderDone(order, result));
         let accel = &mut self.chips.accel;
         let mag = &mut self.chips.mag;
         let (chip, done) = match order {
@@ -226,20 +230,20 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         chip.on_done(at, done, result);
         let failures = chip.failures;
         match result {
-            Ok(()) if programs => self.events.push(Event::Programmed(order)),
+            Ok(()) if programs => self.record.event(Event::Programmed(order)),
             Ok(()) => {}
             Err(error) => {
                 if failures.is_power_of_two() {
-                    self.events.push(Event::OrderFailed(order, error));
+                    self.record.event(Event::OrderFailed(order, error));
                 }
-                self.count(Fault::ChipBus);
+                self.record.fault(Fault::ChipBus);
             }
         }
     }
 
     /// A chip that answers nothing for two failsafe periods is told of, once per silence.
     pub(super) fn check_chips(&mut self, now: Instant) {
-        let longest = self.settings.failsafe * 2;
+        let longest = self.reactive.failsafe() * 2;
         let silent = |chip: &mut Chip| {
             let tell = !chip.silence_told && span(chip.seen, now) > longest;
             chip.silence_told |= tell;
@@ -248,20 +252,12 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         let accel = silent(&mut self.chips.accel);
         let mag = silent(&mut self.chips.mag);
         if accel {
-            self.count(Fault::AccelSilent);
+            self.record.fault(Fault::AccelSilent);
             self.on_chip_lost(Input::ChipAccel);
         }
         if mag {
-            self.count(Fault::MagSilent);
+            self.record.fault(Fault::MagSilent);
             self.on_chip_lost(Input::ChipMag);
-        }
-    }
-
-    /// A chip fell silent or repeats itself: what its model knew is missing from now on.
-    pub(super) fn on_chip_lost(&mut self, input: Input) {
-        let lesson = self.learners.lesson(input);
-        if lesson.triggers && lesson.decision.model().is_some() {
-            self.move_phase(PhaseEvent::Fail(FallbackReason::SensorLost));
         }
     }
 
@@ -271,19 +267,13 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         self.chips.mag.wanted = self.wanted(Input::ChipMag, mag_code);
     }
 
-    /// A chip compares only in reactive control, with a model, against the last run's sample; one
-    /// that gates has every sample waited for.
+    /// A chip that delivers nothing is not programmed to compare.
     fn wanted(&self, input: Input, code: impl Fn(f32) -> Option<u16>) -> Mode {
-        let compares = self.supervisor.phase() == Phase::Reactive
-            && self.learners.lesson(input).triggers
-            && self.settings.reference == Reference::LastRun
-            && !GATES.contains(input)
-            && self.chips.delivers(input)
-            && matches!(self.fit(input), Fit::Model(_));
-        if !compares {
-            return Mode::DataReady;
-        }
-        code(self.threshold(input)).map_or(Mode::DataReady, Mode::Threshold)
+        self.reactive
+            .threshold_for_chip(input)
+            .filter(|_| self.chips.delivers(input))
+            .and_then(code)
+            .map_or(Mode::DataReady, Mode::Threshold)
     }
 
     /// The accelerometer's code; `None` where the change is finer than one code.
@@ -291,7 +281,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// Its high-pass forgets: where the failsafe lets it forget more than a fifth of its time
     /// constant, the code is lowered by the worst decay.
     fn accel_code(&self, x: f32) -> Option<u16> {
-        let age = seconds(self.settings.failsafe) / HIGH_PASS_TIME;
+        let age = seconds(self.reactive.failsafe()) / HIGH_PASS_TIME;
         let kept = if age > 0.2 { libm::expf(-age) } else { 1.0 };
         let code = libm::floorf(x * kept / ACCEL_CODE).min(LARGEST_ACCEL_CODE);
         (code >= 1.0).then_some(code as u16)

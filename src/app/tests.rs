@@ -150,7 +150,7 @@ fn in_reactive_control_the_chip_is_told_its_threshold() {
                 .on_order_done(at_micros(bench.now), order, Ok(()));
         }
     }
-    let told = bench.autopilot.recorder.iter().any(|stamped| {
+    let told = bench.autopilot.recorder().iter().any(|stamped| {
         matches!(stamped.call, Call::OrderDone(ChipOrder::AccelThreshold(code), _) if code > 0)
     });
     assert!(told, "{:?}", bench.autopilot.fit(Input::ChipAccel));
@@ -302,17 +302,17 @@ fn the_recorded_calls_give_the_same_commands_bit_for_bit() {
     let mut bench = Bench::armed(short_warm_up());
     bench.milliseconds(8_000, gusty);
     let mut again = Autopilot::with_logic(short_warm_up(), Vec::new(), Cascade::default());
-    for stamped in &bench.autopilot.recorder {
+    for stamped in bench.autopilot.recorder().iter() {
         stamped.call.replay(stamped.at, &mut again);
     }
-    assert!(bench.autopilot.recorder == again.recorder);
+    assert!(bench.autopilot.recorder() == again.recorder());
 }
 
 #[test]
 fn every_recorded_call_survives_its_bytes() {
     let mut bench = Bench::armed(short_warm_up());
     bench.milliseconds(6_000, gusty);
-    for stamped in &bench.autopilot.recorder {
+    for stamped in bench.autopilot.recorder().iter() {
         let mut buffer = [0; LONGEST_RECORD];
         let bytes = stamped.encode(&mut buffer);
         assert_eq!(Stamped::decode(bytes), Ok((*stamped, bytes.len())));

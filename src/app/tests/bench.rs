@@ -83,9 +83,9 @@ impl<L: ControlLogic> Bench<L> {
         self.autopilot.telemetry().phase
     }
 
-    pub fn reasons(&self) -> Vec<Reason> {
+    pub fn reasons(&mut self) -> Vec<Reason> {
         self.autopilot
-            .recorder
+            .recorder()
             .iter()
             .filter_map(|stamped| match stamped.call {
                 Call::Ran(ran) => Some(ran.reason),

@@ -123,11 +123,11 @@ fn in_reactive_control_a_place_joins_and_the_foreseen_command_asks_for_the_run()
     assert_eq!(bench.phase(), Phase::Reactive);
     assert!(matches!(bench.autopilot.fit(Input::Command), Fit::Model(_)));
     bench.milliseconds(3, |_| Some(0));
-    let before = bench.autopilot.recorder.len();
+    let before = bench.autopilot.recorder().len();
     bench.tell(&pose(-3.0, None));
-    assert_eq!(bench.autopilot.recorder.len(), before + 1, "no run yet");
+    assert_eq!(bench.autopilot.recorder().len(), before + 1, "no run yet");
     bench.milliseconds(1, |_| Some(0));
-    let ran = bench.autopilot.recorder[before..]
+    let ran = bench.autopilot.recorder()[before..]
         .iter()
         .find_map(|stamped| match stamped.call {
             Call::Ran(ran) => Some(ran),
@@ -321,12 +321,12 @@ fn a_recorded_flight_to_a_goal_gives_the_same_commands_bit_for_bit() {
     bench.told(3_000, &[pose(5.0, None)]);
     bench.told(3_000, &[]);
     let mut again = Autopilot::with_logic(short_warm_up(), Vec::new(), OpenPilot::default());
-    for stamped in &bench.autopilot.recorder {
+    for stamped in bench.autopilot.recorder().iter() {
         let mut buffer = [0; LONGEST_RECORD];
         let (read, _) = Stamped::decode(stamped.encode(&mut buffer)).expect("a record");
         read.call.replay(read.at, &mut again);
     }
-    assert!(bench.autopilot.recorder == again.recorder);
+    assert!(bench.autopilot.recorder() == again.recorder());
 }
 
 proptest! {

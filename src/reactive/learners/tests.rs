@@ -28,7 +28,7 @@ impl School {
         for step in 0..length / HYPERPERIOD {
             self.now += HYPERPERIOD;
             let command = [share(self.now.ticks() as f32 * 1e-6); MOTORS];
-            self.learners.hold_run(self.now, &command, &mut ());
+            self.learners.hold_run(self.now, &command, |_, _| {});
             if step % 500 == 0 {
                 self.refit(Input::Command);
             }

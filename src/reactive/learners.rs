@@ -12,12 +12,11 @@ mod tests;
 use learner::Showing;
 pub(super) use learner::{Learner, Lesson};
 
-use super::Recorder;
+use super::outcome::Teaching;
+use super::{Label, Lead, Rule};
 use crate::airframe::MotorShares;
 use crate::config::{ACCEL, CHIP_ACCEL, CHIP_MAG, COMMAND, GYRO, TURNED};
-use crate::control::Setpoint;
 use crate::math::Vec3;
-use crate::reactive::{Label, Lead, Rule};
 use crate::sensors::{Input, Inputs};
 use crate::settings::{Pairs, Reference, Settings};
 use crate::time::Instant;
@@ -35,7 +34,6 @@ pub(super) struct Learners {
     rule: Rule,
     /// Angle turned in earlier runs, which the shadow holds look back to.
     turned_before: Vec3,
-    setpoint: Setpoint,
     /// Inputs whose shadow holds start anew with their next sample, not under whoever's lock.
     stale_holds: Inputs,
     /// Inputs that first crossings taught too little: their shadow holds end after lags.
@@ -64,7 +62,6 @@ impl Learners {
                 failsafe: settings.failsafe,
             },
             turned_before: Vec3::ZERO,
-            setpoint: Setpoint::default(),
             stale_holds: Inputs::NONE,
             lagging: Inputs::NONE,
         }
@@ -73,6 +70,11 @@ impl Learners {
     /// The input that the others are judged against.
     pub(super) fn lead(&self) -> Input {
         self.lead
+    }
+
+    /// What changes are measured against.
+    pub(super) fn reference(&self) -> Reference {
+        self.rule.reference
     }
 
     /// The learner of an input with three axes; `None` for the command.
@@ -128,10 +130,10 @@ impl Learners {
         &mut self,
         now: Instant,
         command: &MotorShares,
-        recorder: &mut impl Recorder,
+        mut tell: impl FnMut(Input, &Label),
     ) {
         for input in [Input::Gyro, Input::Accel, Input::Turned, Input::Command] {
-            self.hold(now, input, command, recorder);
+            self.hold(now, input, command, &mut tell);
         }
     }
 
@@ -141,7 +143,7 @@ impl Learners {
         now: Instant,
         input: Input,
         command: &MotorShares,
-        recorder: &mut impl Recorder,
+        mut tell: impl FnMut(Input, &Label),
     ) {
         let Some(lead) = self.lead_for(input) else {
             return;
@@ -154,11 +156,36 @@ impl Learners {
             lead,
             anew: self.takes_stale(input),
         };
-        let tell = |label: &Label| recorder.label(input, label);
+        let tell = |label: &Label| tell(input, label);
         match self.of_axes(input) {
             Some(learner) => learner.hold(learner.watch.newest(), &showing, tell),
             None => self.command.hold(Some(*command), &showing, tell),
         }
+    }
+
+    /// Adds the labels of a run.
+    pub(super) fn teach(&mut self, teaching: &Teaching, mut tell: impl FnMut(Input, &Label)) {
+        for input in Input::ALL {
+            if teaching.inputs.contains(input)
+                && let Some(label) = self
+                    .lesson_mut(input)
+                    .label(teaching.changed, teaching.weight)
+            {
+                tell(input, &label);
+            }
+        }
+    }
+
+    /// True where every model is stable, or its sensor delivers nothing.
+    pub(super) fn are_settled(&self, delivered: Inputs) -> bool {
+        Input::ALL
+            .into_iter()
+            .all(|input| self.lesson(input).is_settled() || !delivered.contains(input))
+    }
+
+    /// True where the leading input has a model.
+    pub(super) fn leader_is_fitted(&self) -> bool {
+        self.lesson(self.lead).decision.model().is_some()
     }
 
     /// What an input's labels depend on.
@@ -228,17 +255,11 @@ impl Learners {
         self.return_to_crossings();
     }
 
-    /// After a run: its samples, its command and its setpoint are the new references.
+    /// After a run: its samples and its command are the new references.
     ///
     /// `turned` is the angle that the run took, `learning` whether shadow holds look further
     /// back than to this run.
-    pub(super) fn on_run(
-        &mut self,
-        turned: Vec3,
-        learning: bool,
-        command: &MotorShares,
-        setpoint: &Setpoint,
-    ) {
+    pub(super) fn on_run(&mut self, turned: Vec3, learning: bool, command: &MotorShares) {
         self.gyro.on_run();
         self.accel.on_run();
         self.chip_accel.on_run();
@@ -255,15 +276,10 @@ impl Learners {
             self.turned.rearm(self.turned_before);
             self.command.rearm(*command);
         }
-        self.setpoint = *setpoint;
     }
 
     /// The graph took motion, but no run came of it: angles are still turned since the last run.
     pub(super) fn on_advance(&mut self, turned: Vec3) {
         self.turned_before += turned;
-    }
-
-    pub(super) fn setpoint_of_last_run(&self) -> &Setpoint {
-        &self.setpoint
     }
 }

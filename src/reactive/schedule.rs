@@ -1,26 +1,54 @@
 //! When control runs: hyperperiods, what was asked for, the failsafe.
 
-use super::Reason;
 use super::hyperperiod::Hyperperiod;
+use super::{Exploration, Phase};
 use crate::config::HYPERPERIOD;
-use crate::reactive::Phase;
+use crate::numbered::numbered;
 use crate::sensors::{Input, Inputs};
-use crate::settings::{Policy, Settings};
-use crate::time::{Duration, Instant, at_micros, micros, span};
+use crate::settings::{Feedback, Policy, Settings};
+use crate::time::{Duration, Instant, span};
 
-/// How long the gating sensor may take to deliver its first sample.
-const WAKING: Duration = micros(1_000_000);
+/// What the board does next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[must_use]
+pub enum Next {
+    /// Nothing: the applied commands are still good.
+    Wait,
+    /// Raise the hyperperiod task now.
+    Hyperperiod,
+    /// Raise it at this instant at the latest, should no gating sample end the hyperperiod.
+    HyperperiodAt(Instant),
+}
+
+numbered! {
+    /// Why control ran.
+    Reason {
+        /// Time-triggered, to learn.
+        WarmUp,
+        /// Some input's change called for it.
+        Trigger,
+        /// No run for `T_failsafe`.
+        Failsafe,
+        /// The setpoint moved past its quantum.
+        Setpoint,
+        /// Rare and random, to label what the thresholds hide.
+        Exploration,
+        /// Time-triggered, by policy.
+        Periodic,
+        /// Time-triggered, because reactive control was left.
+        Fallback,
+        /// Time-triggered on the ground.
+        Ground,
+    }
+}
 
 /// Bookkeeping of runs.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) struct Schedule {
     failsafe: Duration,
     /// Time between runs where they are time-triggered.
     period: Duration,
     last_run: Instant,
-    last_gate: Option<Instant>,
-    /// The gating sensor's silence was noticed and lasts.
-    silent: bool,
     next_periodic: Instant,
     /// Inputs that asked for a run in this hyperperiod.
     asked: Inputs,
@@ -28,6 +56,8 @@ pub(super) struct Schedule {
     pending: Option<Reason>,
     pending_since: Instant,
     hyperperiod: Hyperperiod,
+    /// Where the settings let chance ask for runs.
+    exploration: Option<Exploration>,
     runs: u32,
 }
 
@@ -40,14 +70,14 @@ impl Schedule {
                 Policy::Periodic(period) => period,
             },
             last_run: Instant::from_ticks(0),
-            last_gate: None,
-            silent: false,
             next_periodic: Instant::from_ticks(0),
             asked: Inputs::NONE,
             setpoint_asked: false,
             pending: None,
             pending_since: Instant::from_ticks(0),
             hyperperiod: Hyperperiod::default(),
+            exploration: (settings.feedback == Feedback::Every)
+                .then(|| Exploration::new(settings.seed)),
             runs: 0,
         }
     }
@@ -76,14 +106,12 @@ impl Schedule {
         self.asked
     }
 
-    pub(super) fn runs(&self) -> u32 {
-        self.runs
+    pub(super) fn failsafe(&self) -> Duration {
+        self.failsafe
     }
 
-    /// The gating sensor delivered a sample.
-    pub(super) fn gate(&mut self, at: Instant) {
-        self.last_gate = Some(at);
-        self.silent = false;
+    pub(super) fn runs(&self) -> u32 {
+        self.runs
     }
 
     /// Takes note of samples of gating inputs; true where they end the hyperperiod.
@@ -92,20 +120,13 @@ impl Schedule {
     }
 
     /// A hyperperiod ended: is a run due?
-    pub(super) fn end_of_hyperperiod(
-        &mut self,
-        at: Instant,
-        phase: Phase,
-        explore: impl FnOnce() -> bool,
-    ) -> bool {
+    pub(super) fn end_hyperperiod(&mut self, at: Instant, phase: Phase) -> bool {
         let reason = match phase {
             Phase::Ground => Some(Reason::Ground),
             Phase::WarmUp => self.is_period_over(at).then_some(Reason::WarmUp),
             Phase::Fallback(_) => self.is_period_over(at).then_some(Reason::Fallback),
             Phase::Periodic => self.is_period_over(at).then_some(Reason::Periodic),
-            Phase::Reactive => self
-                .asked_reason()
-                .or_else(|| explore().then_some(Reason::Exploration)),
+            Phase::Reactive => self.asked_reason().or_else(|| self.explored_reason()),
         };
         // A run that is due and did not happen yet stays due.
         if self.pending.is_none() {
@@ -121,6 +142,11 @@ impl Schedule {
         } else {
             self.setpoint_asked.then_some(Reason::Setpoint)
         }
+    }
+
+    fn explored_reason(&mut self) -> Option<Reason> {
+        let explores = self.exploration.as_mut().is_some_and(Exploration::draw);
+        explores.then_some(Reason::Exploration)
     }
 
     fn is_period_over(&mut self, at: Instant) -> bool {
@@ -161,19 +187,6 @@ impl Schedule {
     /// When the failsafe run is due.
     pub(super) fn deadline(&self) -> Instant {
         self.last_run + self.failsafe
-    }
-
-    /// True once per silence of the gating sensor: after two failsafe periods.
-    ///
-    /// At start-up it is given its time to wake.
-    pub(super) fn notice_silence(&mut self, now: Instant) -> bool {
-        let silent = match self.last_gate {
-            Some(at) => span(at, now) > self.failsafe * 2,
-            None => now > at_micros(0) + WAKING,
-        };
-        let noticed = silent && !self.silent;
-        self.silent = silent;
-        noticed
     }
 
     /// A run happened.

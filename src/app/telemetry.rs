@@ -4,9 +4,9 @@
 //! and counts it, so that logging never holds control up. Every run carries its number, so a
 //! reader of the log sees gaps.
 
-use crate::app::{ChipOrder, Fault, OrderError, Reason};
+use super::door::{ChipOrder, Fault, OrderError};
 use crate::math::Quaternion;
-use crate::reactive::{Fit, Phase};
+use crate::reactive::{Fit, Phase, Reason};
 use crate::safety::{Arming, Refusal};
 use crate::sensors::{Input, Inputs};
 use heapless::Deque;

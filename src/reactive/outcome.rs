@@ -6,9 +6,8 @@
 //! and exploration runs by the inverse of their probability. Runs that several inputs asked for
 //! teach nothing in either case: whose change was it?
 
-use super::Reason;
-use super::types::numbered;
-use crate::reactive::Exploration;
+use super::{Exploration, Reason};
+use crate::numbered::numbered;
 use crate::sensors::Inputs;
 use crate::settings::Feedback;
 

@@ -1,67 +1,6 @@
-//! The small types of the autopilot's door.
+//! The small types of the door: faults, and orders to the chips.
 
-use crate::time::Instant;
-
-/// What the board does next.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[must_use]
-pub enum Next {
-    /// Nothing: the applied commands are still good.
-    Wait,
-    /// Raise the hyperperiod task now.
-    Hyperperiod,
-    /// Raise it at this instant at the latest, should no gating sample end the hyperperiod.
-    HyperperiodAt(Instant),
-}
-
-/// Declares a numbered enum together with its way back from the number.
-macro_rules! numbered {
-    ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident,)* }) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        #[cfg_attr(target_os = "none", derive(defmt::Format))]
-        #[repr(u8)]
-        pub enum $name { $($(#[$variant_doc])* $variant,)* }
-
-        impl $name {
-            /// All of them, in the order of their numbers.
-            pub const ALL: &[Self] = &[$(Self::$variant,)*];
-
-            /// How many there are.
-            pub const COUNT: usize = Self::ALL.len();
-
-            /// The one of a number, `None` past the last.
-            #[must_use]
-            pub fn from_number(number: u8) -> Option<Self> {
-                Self::ALL.get(usize::from(number)).copied()
-            }
-        }
-    };
-}
-
-pub(super) use numbered;
-
-numbered! {
-    /// Why control ran.
-    Reason {
-        /// Time-triggered, to learn.
-        WarmUp,
-        /// Some input's change called for it.
-        Trigger,
-        /// No run for `T_failsafe`.
-        Failsafe,
-        /// The setpoint moved past its quantum.
-        Setpoint,
-        /// Rare and random, to label what the thresholds hide.
-        Exploration,
-        /// Time-triggered, by policy.
-        Periodic,
-        /// Time-triggered, because reactive control was left.
-        Fallback,
-        /// Time-triggered on the ground.
-        Ground,
-    }
-}
+use crate::numbered::numbered;
 
 numbered! {
     /// What can go wrong outside the portable code.

@@ -1,14 +1,16 @@
 //! One input: what it is measured against, what it learned, and how.
 
 use crate::airframe::MotorShares;
-use crate::config::{Changes, LABELS_OF_EACH_CLASS, LONGEST_WARM_UP, STABLE_CHANGE};
+use crate::config::{
+    Changes, FORGETTING, LABELS_OF_EACH_CLASS, LONGEST_WARM_UP, REFIT_INTERVAL, STABLE_CHANGE,
+};
 use crate::math::Vec3;
 use crate::reactive::{
     Decision, Fit, Held, Label, Labels, Lead, Logistic, Rule, Sample, ShadowHolds, Watch,
 };
 use crate::sensors::Input;
 use crate::settings::Settings;
-use crate::time::{Duration, Instant, micros, span};
+use crate::time::{Duration, Instant, micros, seconds, span};
 
 /// How long first crossings may teach an input too little before it learns from lags.
 ///
@@ -17,20 +19,20 @@ pub(super) const PATIENCE: Duration = micros(LONGEST_WARM_UP.ticks() / 2);
 
 /// One input: what it is measured against, what it learned.
 #[derive(Clone, Debug)]
-pub(in crate::app) struct Learner<S = Vec3> {
-    pub(in crate::app) watch: Watch<S>,
-    pub(in crate::app) lesson: Lesson,
+pub(in crate::reactive) struct Learner<S = Vec3> {
+    pub(in crate::reactive) watch: Watch<S>,
+    pub(in crate::reactive) lesson: Lesson,
     holds: ShadowHolds<S>,
 }
 
 /// What one input learned, whatever its samples are.
 #[derive(Clone, Debug)]
-pub(in crate::app) struct Lesson {
-    pub(in crate::app) decision: Decision,
-    pub(in crate::app) labels: Labels,
+pub(in crate::reactive) struct Lesson {
+    pub(in crate::reactive) decision: Decision,
+    pub(in crate::reactive) labels: Labels,
     /// Its model may ask for a run.
-    pub(in crate::app) triggers: bool,
-    pub(in crate::app) refitted: Instant,
+    pub(in crate::reactive) triggers: bool,
+    pub(in crate::reactive) refitted: Instant,
     /// When its shadow holds began; none before their first sample.
     held_since: Option<Instant>,
     /// Refits in a row that left the threshold where it was.
@@ -65,7 +67,7 @@ impl<S: Sample> Learner<S> {
     }
 
     /// Takes a sample; true where its change calls for a run.
-    pub(in crate::app) fn calls(&mut self, sample: S) -> bool {
+    pub(in crate::reactive) fn calls(&mut self, sample: S) -> bool {
         let x = self.watch.take(sample);
         self.lesson.decision.take(x) && self.lesson.triggers
     }
@@ -76,7 +78,7 @@ impl<S: Sample> Learner<S> {
     }
 
     /// What is measured against is this sample now.
-    pub(in crate::app) fn rearm(&mut self, sample: S) {
+    pub(in crate::reactive) fn rearm(&mut self, sample: S) {
         self.watch.rearm(sample);
         self.lesson.decision.on_run();
     }
@@ -110,11 +112,21 @@ impl<S: Sample> Learner<S> {
 }
 
 impl Lesson {
+    /// Swaps a fit in and lets the labels fade a little; their weight until now.
+    pub(in crate::reactive) fn on_refit(&mut self, now: Instant, fit: Fit) -> f32 {
+        self.refitted = now;
+        self.swap(fit);
+        let weight = self.labels.total();
+        self.labels
+            .fade(1.0 - seconds(REFIT_INTERVAL) / seconds(FORGETTING));
+        weight
+    }
+
     /// Swaps a fit in; keeps count of how long the threshold has been stable.
     ///
     /// Where labels became too few to fit again, what they said while there were enough stays:
     /// a threshold that hides changes also starves its own labels.
-    pub(in crate::app) fn swap(&mut self, fit: Fit) {
+    pub(super) fn swap(&mut self, fit: Fit) {
         let starved = self.labels.of_rarer_class() < LABELS_OF_EACH_CLASS as f32;
         if fit == Fit::Unfit && starved && self.decision.fit() != Fit::Unfit {
             return;
@@ -135,7 +147,7 @@ impl Lesson {
     }
 
     /// Stable and with labels of both classes, or known not to matter.
-    pub(in crate::app) fn is_settled(&self) -> bool {
+    pub(super) fn is_settled(&self) -> bool {
         match self.decision.fit() {
             _ if !self.triggers => true,
             Fit::Irrelevant => true,
@@ -160,7 +172,7 @@ impl Lesson {
     }
 
     /// Counts what the present change came to; nothing where no change was measured.
-    pub(in crate::app) fn label(&mut self, changed: bool, weight: f32) -> Option<Label> {
+    pub(in crate::reactive) fn label(&mut self, changed: bool, weight: f32) -> Option<Label> {
         let x = self.decision.change()?;
         let label = Label { x, changed, weight };
         self.labels.add(&label);

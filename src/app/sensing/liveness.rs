@@ -4,7 +4,10 @@
 //! sensor repeats itself to the last bit for long, since its noise is several counts.
 
 use crate::sensors::IMU_BURST_LENGTH;
-use crate::time::{Duration, Instant, span};
+use crate::time::{Duration, Instant, at_micros, micros, span};
+
+/// How long the gating sensor may take to deliver its first sample.
+const WAKING: Duration = micros(1_000_000);
 
 /// Since when the gating sensor repeats itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -51,10 +54,38 @@ impl Liveness {
     }
 }
 
+/// When the gating sensor was last heard.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Silence {
+    heard: Option<Instant>,
+    /// The silence was noticed and lasts.
+    noticed: bool,
+}
+
+impl Silence {
+    /// The gating sensor delivered a sample.
+    pub(super) fn end(&mut self, at: Instant) {
+        self.heard = Some(at);
+        self.noticed = false;
+    }
+
+    /// True once per silence that is longer than `patience`.
+    ///
+    /// At start-up the sensor is given its time to wake.
+    pub(super) fn notice(&mut self, now: Instant, patience: Duration) -> bool {
+        let silent = match self.heard {
+            Some(at) => span(at, now) > patience,
+            None => now > at_micros(0) + WAKING,
+        };
+        let noticed = silent && !self.noticed;
+        self.noticed = silent;
+        noticed
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::time::{at_micros, micros};
 
     #[test]
     fn a_sensor_that_repeats_itself_is_told_of_once_until_it_moves() {

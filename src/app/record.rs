@@ -1,0 +1,96 @@
+//! The record of what happened: calls, faults, events for the log.
+
+use super::call::{Call, Ran, Recorder};
+use super::door::Fault;
+use super::telemetry::{Event, Events};
+use crate::reactive::{Label, Reason};
+use crate::sensors::Input;
+use crate::time::Instant;
+
+/// What happened so far, and when the newest of it did.
+#[derive(Debug)]
+pub(super) struct Record<R> {
+    recorder: R,
+    /// The newest instant that any call carried.
+    clock: Instant,
+    faults: [u32; Fault::COUNT],
+    events: Events,
+}
+
+impl<R: Recorder> Record<R> {
+    pub(super) fn new(recorder: R) -> Self {
+        Self {
+            recorder,
+            clock: Instant::from_ticks(0),
+            faults: [0; Fault::COUNT],
+            events: Events::default(),
+        }
+    }
+
+    /// Takes note of a call and its instant.
+    pub(super) fn call(&mut self, at: Instant, call: Call) {
+        self.clock = self.clock.max(at);
+        self.recorder.record(at, &call);
+    }
+
+    /// Takes note of a run, which `changed` the command or not.
+    pub(super) fn ran(&mut self, at: Instant, ran: Ran, changed: bool, number: u32) {
+        self.recorder.record(at, &Call::Ran(ran));
+        // On the ground a line every millisecond would tell nothing.
+        if ran.reason != Reason::Ground {
+            self.events.push(Event::Ran {
+                number,
+                reason: ran.reason,
+                asked: ran.asked,
+                changed,
+            });
+        }
+    }
+
+    /// Takes note of a label.
+    pub(super) fn label(&mut self, input: Input, label: &Label) {
+        self.recorder.label(input, label);
+    }
+
+    /// Counts a fault.
+    pub(super) fn fault(&mut self, fault: Fault) {
+        if let Some(count) = self.faults.get_mut(fault as usize) {
+            *count = count.saturating_add(1);
+            let count = *count;
+            // The first few of a kind, then at powers of two: a storm must not drown the log.
+            if count.is_power_of_two() {
+                self.events.push(Event::Fault(fault, count));
+            }
+        }
+    }
+
+    /// Queues an event for the log.
+    pub(super) fn event(&mut self, event: Event) {
+        self.events.push(event);
+    }
+
+    /// The newest instant that any call carried.
+    pub(super) fn clock(&self) -> Instant {
+        self.clock
+    }
+
+    /// How often a fault was counted.
+    pub(super) fn faults(&self, fault: Fault) -> u32 {
+        self.faults.get(fault as usize).copied().unwrap_or(0)
+    }
+
+    /// The events that wait for the log.
+    pub(super) fn events(&mut self) -> &mut Events {
+        &mut self.events
+    }
+
+    /// How many events found no room.
+    pub(super) fn dropped_events(&self) -> u32 {
+        self.events.dropped()
+    }
+
+    /// The recorder itself.
+    pub(super) fn recorder(&mut self) -> &mut R {
+        &mut self.recorder
+    }
+}
