@@ -1,9 +1,11 @@
-//! Everything of Reflex that runs on the host: emulated board, flights, scores.
+//! Everything of Reflex that runs on the host: replays, closed-loop flights, scores.
 //!
-//! - [`board`]: the firmware's ELF on an emulated processor, behind a small interface
-//! - [`chips`]: the sensors, written from their datasheets
-//! - [`flights`]: recorded flights, as stimulus, setpoints and link frames
-//! - [`replay`]: puts the three together; [`scoring`] judges what happened
+//! Four crates below this one know nothing of the autopilot: [`emulated_board`] runs a
+//! firmware's ELF on an emulated processor, [`chip_models`] are its sensors,
+//! [`recorded_flights`] reads logs, and [`flight_dynamics`] simulates a drone. Here the
+//! autopilot meets them:
+//!
+//! - [`replay`]: a recorded flight on the emulated board; [`scoring`] judges what happened
 //! - [`campaign`]: hundreds of hours of closed-loop flights, compared and reported
 //! - [`closed_loop`]: a simulated drone in wind instead of a recorded flight
 //! - [`native`]: the same flights without the emulator, a hundred times as fast
@@ -14,27 +16,20 @@
 //! - [`commands`]: the command line of `cargo hil`
 
 pub mod airframes;
-pub mod board;
 pub mod campaign;
-pub mod chips;
 mod clock;
 pub mod closed_loop;
 pub mod commands;
 pub mod costs;
 pub mod firmware;
-pub mod flights;
 pub mod logics;
 pub mod native;
 pub mod picture;
 pub mod plot;
 pub mod progress;
-#[cfg(test)]
-mod recordings;
 pub mod refusal;
 pub mod replay;
 pub mod replay_options;
 pub mod scoring;
-#[cfg(test)]
-mod statistics;
 pub mod sweep;
 pub mod toolchain;

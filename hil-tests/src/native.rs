@@ -30,8 +30,6 @@ use std::sync::Arc;
 use anyhow::{Result, bail};
 use reflex::app::Stamped;
 
-use crate::chips::StimulusSource;
-use crate::flights::{Bench, Flight, FlightStimulus, Setpoints, schedule};
 use crate::progress::Progress;
 use crate::refusal::Refusal;
 use crate::replay::about::SampleCount;
@@ -39,6 +37,8 @@ use crate::replay::story::Story;
 use crate::replay::{chip_options, length_ns, open_flight, sense};
 use crate::replay_options::ReplayOptions;
 use crate::scoring::{Report, Score, score};
+use chip_models::StimulusSource;
+use recorded_flights::{Bench, Flight, FlightStimulus, Setpoints, schedule};
 
 pub(crate) use board::NativeBoard;
 pub(crate) use timing::{RUN_NS, clock, nanos};

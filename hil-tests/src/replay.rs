@@ -29,14 +29,14 @@ use std::path::PathBuf;
 
 use reflex::settings::MotorProtocol;
 
-use crate::board::Watched;
-use crate::chips::{ChipOptions, Present};
 use crate::firmware::Firmware;
-use crate::flights::{Flight, sample_flight};
 use crate::progress::Progress;
 use crate::refusal::Refusal;
 use crate::replay_options::ReplayOptions;
 use crate::scoring::{Report, score};
+use chip_models::{ChipOptions, Present};
+use emulated_board::Watched;
+use recorded_flights::{Flight, sample_flight};
 
 use alignment::{Alignment, update_period_ns};
 use bench::HANDLERS;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use reflex::settings::Settings;
 
-use crate::flights::Rotate;
 use crate::logics::LogicName;
+use recorded_flights::Rotate;
 
 /// The options of one replay, checked; made by the command line or by a test.
 #[derive(Clone, Debug, PartialEq)]

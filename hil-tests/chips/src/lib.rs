@@ -4,8 +4,7 @@
 //! emulated buses, and must find in them what it would find in the chips: data
 //! at the programmed rate with a free-running oscillator, quantisation and
 //! clipping, filters, threshold generators, latches and status bits. They know
-//! neither the emulator nor the drivers; only the tests in `equivalence` let the
-//! drivers at them.
+//! neither the emulator nor the drivers.
 //!
 //! **Time.** Virtual time comes in as nanoseconds and only moves forward.
 //! A model is advanced lazily: every entry takes `now_ns` and first produces
@@ -18,8 +17,6 @@
 //! own axes ([`Stimulus`]). *Code*: what a register holds.
 
 pub mod bus;
-#[cfg(test)]
-mod equivalence;
 pub mod filter;
 pub mod lsm303agr;
 pub mod mpu6050;
@@ -29,8 +26,7 @@ pub mod oscillator;
 pub mod register_file;
 mod shared;
 pub mod stimulus;
-#[cfg(test)]
-mod testing;
+pub mod testing;
 
 pub use bus::{I2cChip, SpiChip};
 pub use lsm303agr::Lsm303agr;

@@ -1,4 +1,4 @@
-//! What the chips' tests share: signals and bus transactions.
+//! Signals and bus transactions for tests of the chips and of what reads them.
 
 use std::sync::Arc;
 
@@ -6,7 +6,9 @@ use super::bus::{I2cChip, SpiChip};
 use super::options::ChipOptions;
 use super::stimulus::{STANDARD_GRAVITY, Stimulus, StimulusSource};
 
+/// A millisecond, ns.
 pub const MS: u64 = 1_000_000;
+/// A second, ns.
 pub const SECOND: u64 = 1_000_000_000;
 
 /// A specimen with an exact oscillator and no noise.

@@ -9,7 +9,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::flight::Flight;
 use super::track::{Track, seconds};
-use crate::chips::stimulus::STANDARD_GRAVITY;
+use chip_models::stimulus::STANDARD_GRAVITY;
 
 const TIME_CONSTANT_S: f64 = 5.0;
 /// Specific forces this far from 1 g, in g, say nothing about the vertical.
@@ -102,8 +102,20 @@ fn toward_level(attitude: UnitQuaternion<f64>, force: Vector3<f64>) -> Vector3<f
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::samples;
     use super::*;
+    use crate::{Rotate, Rotation};
+
+    /// A flight of gyroscope and accelerometer at 200 Hz, as functions of seconds.
+    fn flight(length_s: f64, motion: impl Fn(f64) -> ([f64; 3], [f64; 3])) -> Flight {
+        let rows = (0..=(length_s * 200.0) as u64).map(|sample| {
+            let (gyro, accel) = motion(sample as f64 / 200.0);
+            let values = [gyro, accel].concat().into_iter().map(|v| format!(",{v}"));
+            format!("{}{}\n", sample * 5000, values.collect::<String>())
+        });
+        let text = "t_us,gx,gy,gz,ax,ay,az\n".to_owned() + &rows.collect::<String>();
+        let unturned = Rotate::Named(Rotation::NONE);
+        Flight::of_bytes("made-up".to_owned(), text.as_bytes(), unturned).expect("a good log")
+    }
 
     #[test]
     fn the_attitude_at_rest_feels_the_force_it_was_made_from() {
@@ -115,7 +127,7 @@ mod tests {
 
     #[test]
     fn a_constant_turn_is_integrated() {
-        let flight = samples::flight(4.0, |_| ([0.0, 0.0, 0.25], [0.0, 0.0, -9.806_65]));
+        let flight = flight(4.0, |_| ([0.0, 0.0, 0.25], [0.0, 0.0, -9.806_65]));
         let last = estimate(&flight).at(flight.duration_ns).map(from_array);
         let yaw = last.map(heading).unwrap_or_default();
         assert!((yaw - 0.25 * flight.duration_s()).abs() < 1e-9, "{yaw}");
@@ -124,7 +136,7 @@ mod tests {
     #[test]
     fn a_wrong_tilt_is_pulled_level_with_the_time_constant() {
         // At rest after a start that felt 0.1 rad of roll.
-        let flight = samples::flight(10.0, |t| {
+        let flight = flight(10.0, |t| {
             let roll: f64 = if t < 0.6 { 0.1 } else { 0.0 };
             ([0.0; 3], [0.0, -9.8 * roll.sin(), -9.8 * roll.cos()])
         });

@@ -9,7 +9,7 @@ use super::recording::{LogFormat, Motors, Recorded, Recording};
 use super::rotation::{Rotate, Rotation};
 use super::track::{SECOND_NS, Track, seconds};
 use super::{csv_log, ulog};
-use crate::chips::stimulus::STANDARD_GRAVITY;
+use chip_models::stimulus::STANDARD_GRAVITY;
 
 /// Why the log's axes are turned as they are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

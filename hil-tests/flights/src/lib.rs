@@ -15,18 +15,16 @@ mod csv_log;
 mod error;
 mod flight;
 mod gaps;
-pub(crate) mod link_frames;
+pub mod link_frames;
 mod lowpass;
 mod recording;
+pub mod recordings;
 mod rotation;
 mod sample_flight;
 mod setpoint;
 mod stimulus;
 mod track;
 mod ulog;
-
-#[cfg(test)]
-mod tests;
 
 pub use error::{Fault, FlightError, Place};
 pub use flight::{Flight, RotationReason};

@@ -41,7 +41,7 @@ const ODOMETRY_STALE_NS: i64 = 250_000_000;
 /// The ground station's identity.
 const GROUND_STATION: (u32, u8) = (255, 190);
 /// The drone's identity: system 1, component 1 (the autopilot).
-pub(crate) const DRONE: (u8, u8) = (1, 1);
+pub const DRONE: (u8, u8) = (1, 1);
 
 /// All frames of a replay, in order of time, to the end of the flight.
 #[must_use]
@@ -84,7 +84,7 @@ fn every(first: u64, end: u64, period: u64) -> impl Iterator<Item = u64> {
 }
 
 /// A message as bytes.
-pub(crate) fn frame(message: &MavMessage, sequence: u8) -> Vec<u8> {
+pub fn frame(message: &MavMessage, sequence: u8) -> Vec<u8> {
     let (system_id, component_id) = GROUND_STATION;
     let header = MavHeader {
         system_id,
@@ -97,7 +97,7 @@ pub(crate) fn frame(message: &MavMessage, sequence: u8) -> Vec<u8> {
 }
 
 /// The ground station is there.
-pub(crate) fn heartbeat() -> MavMessage {
+pub fn heartbeat() -> MavMessage {
     MavMessage::HEARTBEAT(HEARTBEAT_DATA {
         custom_mode: 0,
         mavtype: MavType::MAV_TYPE_GCS,
@@ -109,7 +109,7 @@ pub(crate) fn heartbeat() -> MavMessage {
 }
 
 /// Arms the motors.
-pub(crate) fn arm(confirmation: u8) -> MavMessage {
+pub fn arm(confirmation: u8) -> MavMessage {
     MavMessage::COMMAND_LONG(COMMAND_LONG_DATA {
         param1: 1.0,
         command: MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,

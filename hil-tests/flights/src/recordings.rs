@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::flights::{Flight, Rotate, sample_flight};
+use crate::{Flight, Rotate, sample_flight};
 
 /// Where recorded flights are looked for, from this package's folder.
-const RECORDINGS: &str = "../../shared/streams";
+const RECORDINGS: &str = "../../../shared/streams";
 
 /// A recorded flight, or `None`, with a message, where it is not at hand.
 pub fn recording(name: &str) -> Option<PathBuf> {

@@ -9,7 +9,7 @@
 
 use super::flight::Flight;
 use super::track::{Cursor, Track};
-use crate::chips::stimulus::{Stimulus, StimulusSource};
+use chip_models::stimulus::{Stimulus, StimulusSource};
 
 /// The time at rest before the flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -18,9 +18,9 @@ use crate::airframes::{self, Variant};
 use crate::closed_loop::{self, Flyer, Scene};
 use crate::costs;
 use crate::firmware::Firmware;
-use crate::flights::{Flight, Rotate, sample_flight};
 use crate::logics::LogicName;
 use crate::progress::{Progress, Silent};
+use recorded_flights::{Flight, Rotate, sample_flight};
 
 /// The hidden command that a program flies jobs by.
 pub const WORKER: &str = "campaign-worker";

@@ -23,15 +23,16 @@ const DEPENDED_ON: [&str; 8] = [
     "src",
 ];
 /// Folders within these that only tell of flights, or that test.
-const TOLD_BY: [&str; 8] = [
+const TOLD_BY: [&str; 9] = [
     "hil-tests/src/campaign",
     "hil-tests/src/commands",
     "hil-tests/src/costs",
     "hil-tests/src/picture",
     "hil-tests/src/plot",
     "hil-tests/src/scoring",
-    "hil-tests/src/statistics",
     "hil-tests/src/sweep",
+    "hil-tests/flights/tests",
+    "hil-tests/tests",
 ];
 /// Bytes of the fingerprint that are kept.
 const KEPT: usize = 6;

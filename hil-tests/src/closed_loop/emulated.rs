@@ -15,17 +15,17 @@ use reflex::settings::{MotorProtocol, Settings};
 use super::desired::Desired;
 use super::report::Cpu;
 use super::tier::{Applied, Tier, TimedRan, throttle};
-use crate::board::emulated::{EmulatedBoard, Sensors};
-use crate::board::{Board, Elf, Line, Options};
-use crate::chips::{ChipOptions, SharedChips, StimulusSource};
 use crate::firmware::Firmware;
-use crate::flights::LinkFrame;
 use crate::logics::{AnyLogic, LogicName};
 use crate::native::nanos;
 use crate::replay::alignment::{Alignment, update_period_ns};
 use crate::replay::observation::Observation;
 use crate::replay::story::LastRan;
 use crate::scoring::MotorDigest;
+use chip_models::{ChipOptions, SharedChips, StimulusSource};
+use emulated_board::emulated::{EmulatedBoard, Sensors};
+use emulated_board::{Board, Elf, Line, Options};
+use recorded_flights::LinkFrame;
 
 /// The shortest time between two samples of the MPU6050: 1 ms less its clock's tolerance.
 const SHORTEST_PERIOD_NS: u64 = 950_000 / reflex::config::IMU_RATE as u64 * 1_000;

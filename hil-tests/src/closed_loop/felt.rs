@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crate::chips::{Stimulus, StimulusSource};
+use chip_models::{Stimulus, StimulusSource};
 
 /// Steps that are kept: 0.5 ms or more each, 32 ms. The longest delay of a chip's filter is 19 ms.
 const KEPT: usize = 64;

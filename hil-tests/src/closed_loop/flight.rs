@@ -17,8 +17,8 @@ use super::tier::{Applied, Tier, TimedRan};
 use super::track::{KEPT_NS, Moment};
 use super::world::{LONGEST_STEP_NS, World};
 use super::{FlyOptions, Flyer, Scene};
-use crate::chips::{ChipOptions, StimulusSource};
 use crate::replay::alignment::update_period_ns;
+use chip_models::{ChipOptions, StimulusSource};
 
 /// Time between two looks of mission, ground station and measures, ns.
 const LOOK_NS: u64 = 10_000_000;

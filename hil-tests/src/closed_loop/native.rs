@@ -10,12 +10,12 @@ use reflex::settings::{MotorProtocol, Settings};
 use super::desired::Desired;
 use super::report::Cpu;
 use super::tier::{Applied, Tier, TimedRan, throttle};
-use crate::chips::{ChipOptions, StimulusSource};
-use crate::flights::LinkFrame;
 use crate::logics::LogicName;
 use crate::native::{NativeBoard, RUN_NS, nanos};
 use crate::replay::alignment::{pulse_ns, update_period_ns};
 use crate::scoring::MotorDigest;
+use chip_models::{ChipOptions, StimulusSource};
+use recorded_flights::LinkFrame;
 
 /// A native board with what the motors' timers would make of its commands.
 pub(super) struct NativeTier {

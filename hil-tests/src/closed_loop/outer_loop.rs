@@ -7,7 +7,7 @@
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use super::mission::Target;
-use crate::chips::stimulus::STANDARD_GRAVITY;
+use chip_models::stimulus::STANDARD_GRAVITY;
 
 /// Acceleration per m of distance, 1/s2.
 const PLACE: f64 = 1.2;

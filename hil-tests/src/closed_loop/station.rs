@@ -20,8 +20,8 @@ use reflex_config::plant::Tracking;
 
 use super::mission::Target;
 use super::outer_loop::{Demand, OuterLoop};
-use crate::flights::LinkFrame;
-use crate::flights::link_frames::{DRONE, arm, frame, heartbeat};
+use recorded_flights::LinkFrame;
+use recorded_flights::link_frames::{DRONE, arm, frame, heartbeat};
 
 /// When the drone takes off: until then it stands still, boots, calibrates and is armed, ns.
 pub(super) const TAKE_OFF_NS: u64 = 1_500_000_000;

@@ -7,7 +7,7 @@ use reflex::settings::MotorProtocol;
 
 use super::desired::Desired;
 use super::report::Cpu;
-use crate::flights::LinkFrame;
+use recorded_flights::LinkFrame;
 
 /// A motor command, from the update event of the timers that applies it.
 #[derive(Clone, Debug, PartialEq)]

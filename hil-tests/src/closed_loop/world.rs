@@ -15,7 +15,7 @@ use reflex_config::{Airframe, Spin};
 use super::felt::Felt;
 use super::mission::uniform;
 use super::tier::Applied;
-use crate::chips::Stimulus;
+use chip_models::Stimulus;
 
 /// Longest step of the dynamics, ns.
 pub(super) const LONGEST_STEP_NS: u64 = 1_000_000;
@@ -234,7 +234,7 @@ fn weather_of(environment: &Environment, seed: u64) -> dynamics::Environment {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chips::StimulusSource;
+    use chip_models::StimulusSource;
     use std::path::Path;
 
     const STEP_NS: u64 = LONGEST_STEP_NS / 2;

@@ -7,8 +7,8 @@ use clap::Args;
 
 use super::bar::Bar;
 use crate::costs::{Costs, measure};
-use crate::flights::{Flight, Rotate};
 use crate::progress::Progress;
+use recorded_flights::{Flight, Rotate};
 
 /// How the costs are told.
 #[derive(Clone, Debug, Args)]

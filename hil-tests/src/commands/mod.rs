@@ -28,8 +28,8 @@ use clap::{Parser, Subcommand};
 #[cfg(test)]
 pub(crate) use sweep_text::grid as grid_of;
 
-use crate::flights::FlightError;
 use crate::refusal::Refusal;
+use recorded_flights::FlightError;
 
 /// Exit code of input that is refused.
 const REFUSED: u8 = 2;

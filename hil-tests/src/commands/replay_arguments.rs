@@ -9,11 +9,11 @@ use reflex::settings::{Policy, Settings, WarmUp};
 use super::quantities::{number, seconds};
 use super::settings_arguments::SettingsArguments;
 use super::sweep_arguments::SweepArguments;
-use crate::flights::Rotate;
 use crate::logics::LogicName;
 use crate::refusal::Refusal;
 use crate::replay_options::ReplayOptions;
 use crate::sweep::{Parameter, SweepOptions};
+use recorded_flights::Rotate;
 
 /// What a replay is told. Defaults are those of `config/`; no option needs a rebuild.
 #[derive(Clone, Debug, Default, Args)]

@@ -70,8 +70,8 @@ fn quick_tests(progress: &mut dyn Progress) -> Result<()> {
 }
 
 fn emulated_tests(progress: &mut dyn Progress) -> Result<()> {
-    let line =
-        "test -p hil-tests -p flight-dynamics -p reflex-bench --profile hil --ignore-rust-version";
+    let line = "test -p hil-tests -p chip-models -p emulated-board -p flight-dynamics -p recorded-flights \
+                -p reflex-bench --profile hil --ignore-rust-version";
     cargo(&words(line), progress)
 }
 

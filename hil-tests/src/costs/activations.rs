@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 
-use crate::board::Elf;
+use emulated_board::Elf;
 
 /// A handler that has been entered and has not returned.
 #[derive(Clone, Copy, Debug)]

@@ -6,11 +6,11 @@ use super::activations::{Activation, Activations, Instant, returns};
 use super::locks::{LockPlaces, Locks};
 use super::table::{Cost, Memory};
 use super::{CORE_HZ, SWAP_LIMIT};
-use crate::board::{Elf, Hit, MotorWrite, Observer, Watched};
 use crate::firmware::Firmware;
 use crate::progress::Progress;
 use crate::replay::{TestBench, open_flight};
 use crate::replay_options::ReplayOptions;
+use emulated_board::{Elf, Hit, MotorWrite, Observer, Watched};
 
 /// Seconds of the default flight: warm-up, reactive control, dozens of refits.
 const LENGTH_S: f64 = 12.0;

@@ -3,7 +3,7 @@
 use anyhow::Result;
 
 use super::activations::Instant;
-use crate::board::Elf;
+use emulated_board::Elf;
 
 /// First half-words of `msr BASEPRI, rN`, less the register, and the second ones.
 const MSR: u16 = 0xF380;

@@ -13,13 +13,13 @@ use serde::Serialize;
 
 use super::parts::{Program, at_rest};
 use super::steps::{INPUTS, cases};
-use crate::board::Elf;
 use crate::firmware::Firmware;
-use crate::flights::Flight;
 use crate::logics::{LogicName, steps_of};
 use crate::native::fly;
 use crate::progress::Progress;
 use crate::replay_options::ReplayOptions;
+use emulated_board::Elf;
+use recorded_flights::Flight;
 
 /// Blocks of a flight's runs that are measured.
 const BLOCKS: usize = 4;

@@ -32,9 +32,9 @@ pub use table::{Cost, Costs, Memory};
 use logics::LogicProgram;
 
 use crate::firmware::Firmware;
-use crate::flights::Flight;
 use crate::logics::LogicName;
 use crate::progress::Progress;
+use recorded_flights::Flight;
 
 /// Instructions of the emulated core in a second, one a cycle.
 pub const CORE_HZ: u64 = 168_000_000;

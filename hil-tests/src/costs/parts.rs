@@ -7,11 +7,11 @@ use reflex_bench::{NOTHING, PARTS};
 
 use super::CORE_HZ;
 use super::table::Cost;
-use crate::board::emulated::{EmulatedBoard, Sensors};
-use crate::board::{Board, Elf, Hit, Observer, Options, Watched};
-use crate::chips::{ChipOptions, SharedChips, Stimulus, StimulusSource};
 use crate::firmware::Firmware;
 use crate::progress::Progress;
+use chip_models::{ChipOptions, SharedChips, Stimulus, StimulusSource};
+use emulated_board::emulated::{EmulatedBoard, Sensors};
+use emulated_board::{Board, Elf, Hit, Observer, Options, Watched};
 
 /// Places that are watched, in the order of their numbers.
 const MARK: usize = 0;

@@ -11,8 +11,8 @@ use reflex_bench::ways::{Way, arducopter, cascade, cleanflight, observer, openpi
 
 use super::*;
 use crate::native::fly;
-use crate::recordings::flights;
 use crate::replay_options::ReplayOptions;
+use recorded_flights::recordings::flights;
 
 /// A logic in its four ways: time-triggered, ours, callbacks, pointer vector.
 type Ways = [Box<dyn Way>; 4];

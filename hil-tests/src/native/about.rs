@@ -6,7 +6,6 @@ use reflex::time::at_micros;
 
 use super::board::NativeBoard;
 use super::timing::nanos;
-use crate::flights::{Flight, Setpoints};
 use crate::replay::about::{
     Known, SampleCount, Seen, accel_threshold, mag_threshold, scored_from_us,
 };
@@ -14,6 +13,7 @@ use crate::replay::alignment::pulse_ns;
 use crate::replay::story::Story;
 use crate::replay_options::ReplayOptions;
 use crate::scoring::{About, MotorDigest, Tier};
+use recorded_flights::{Flight, Setpoints};
 
 /// Tells of a board that flew to its end.
 pub(super) fn tell(

@@ -28,10 +28,10 @@ use super::timing::{
     ARRIVAL_NS, BOOT_NS, CHIPS_START_NS, IMU_START_NS, IMU_WAKE_NS, SHORTEST_BURST_NS,
 };
 use super::wires::{BusTime, I2cBus, Spi, Wire};
-use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
-use crate::chips::{ChipOptions, Mpu6050, StimulusSource};
-use crate::flights::LinkFrame;
 use crate::logics::{AnyLogic, LogicName};
+use chip_models::lsm303agr::{Accelerometer, Magnetometer};
+use chip_models::{ChipOptions, Mpu6050, StimulusSource};
+use recorded_flights::LinkFrame;
 
 /// The rates that the firmware programs.
 const RATES: Rates = match Rates::from_hz(CHIP_ACCEL_RATE, CHIP_MAG_RATE) {

@@ -9,10 +9,10 @@ use reflex::time::micros;
 use reflex_drivers::lsm303agr::halves::{Action, Half};
 
 use super::*;
-use crate::flights::{Rotate, Rotation};
-use crate::recordings::recording;
 use crate::replay::about::accel_threshold;
 use crate::scoring::Tier;
+use recorded_flights::recordings::recording;
+use recorded_flights::{Rotate, Rotation};
 
 /// The log of a flight in gusts that come and go, of `seconds` at 500 Hz, by formula.
 pub(crate) fn log_of_gusts(seconds: u64) -> String {

@@ -11,8 +11,8 @@ use std::rc::Rc;
 use embedded_hal::i2c::{self, ErrorKind, I2c, NoAcknowledgeSource};
 use embedded_hal::spi::{self, SpiDevice};
 
-use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
-use crate::chips::{I2cChip, Mpu6050, SpiChip};
+use chip_models::lsm303agr::{Accelerometer, Magnetometer};
+use chip_models::{I2cChip, Mpu6050, SpiChip};
 
 /// A byte on SPI at 5.25 MHz, with the instructions around it, ns.
 const SPI_BYTE_NS: u64 = 1_600;

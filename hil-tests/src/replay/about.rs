@@ -11,11 +11,11 @@ use reflex::sensors::{Cause, Input};
 use reflex::settings::{Feedback, MotorProtocol, Pairs, Policy, Reference, WarmUp};
 
 use super::story::Story;
-use crate::board::Line;
-use crate::chips::lsm303agr::{Accelerometer, Magnetometer};
-use crate::flights::{self, Flight, Setpoints};
 use crate::replay_options::ReplayOptions;
 use crate::scoring::{self, Gap, ModelState, Options, Sensor, SetpointSource, Tier, latencies};
+use chip_models::lsm303agr::{Accelerometer, Magnetometer};
+use emulated_board::Line;
+use recorded_flights::{Flight, Setpoints};
 
 /// How many samples the dies of the LSM303AGR had produced at an instant.
 #[derive(Clone, Copy, Debug)]
@@ -84,7 +84,7 @@ impl Known<'_, '_> {
 
     fn setpoint(&self) -> SetpointSource {
         match self.setpoints.sources.attitude {
-            flights::SetpointSource::Recorded => SetpointSource::Log,
+            recorded_flights::SetpointSource::Recorded => SetpointSource::Log,
             _ => SetpointSource::LowPassed,
         }
     }

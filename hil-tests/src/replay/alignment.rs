@@ -10,7 +10,7 @@ use reflex::app::{Call, Ran};
 use reflex::settings::MotorProtocol;
 
 use super::observation::Observation;
-use crate::board::Line;
+use emulated_board::Line;
 
 /// Timer clocks per microsecond (84 MHz).
 const TIMER_MHZ: u64 = 84;

@@ -7,13 +7,13 @@ use anyhow::Result;
 use super::about::SampleCount;
 use super::observation::Observation;
 use super::{chip_options, length_ns};
-use crate::board::emulated::{EmulatedBoard, Sensors};
-use crate::board::{Board, Elf, Observer, Options, Outcome, Watched};
-use crate::chips::{SharedChips, StimulusSource};
 use crate::firmware::Firmware;
-use crate::flights::{Bench, Flight, FlightStimulus, LinkFrame, Setpoints, schedule};
 use crate::progress::Progress;
 use crate::replay_options::ReplayOptions;
+use chip_models::{SharedChips, StimulusSource};
+use emulated_board::emulated::{EmulatedBoard, Sensors};
+use emulated_board::{Board, Elf, Observer, Options, Outcome, Watched};
+use recorded_flights::{Bench, Flight, FlightStimulus, LinkFrame, Setpoints, schedule};
 
 /// Virtual time between two looks at the chips' sample counters.
 const STEP_NS: u64 = 20_000_000;

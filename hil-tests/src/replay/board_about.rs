@@ -10,11 +10,11 @@ use super::bench::{TestBench, held};
 use super::latency;
 use super::observation::Observation;
 use super::story::Story;
-use crate::board::Outcome;
 use crate::firmware::Firmware;
-use crate::flights::Flight;
 use crate::replay_options::ReplayOptions;
 use crate::scoring::{self, BoardTime, Cpu, MotorDigest, Tier, latencies};
+use emulated_board::Outcome;
+use recorded_flights::Flight;
 
 /// Everything that the report of an emulated replay is told from.
 pub(super) struct BoardAbout<'r, 'c> {

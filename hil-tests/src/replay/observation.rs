@@ -9,7 +9,7 @@ use reflex::app::Stamped;
 
 use super::bench::HANDLERS;
 use super::call_stream::CallStream;
-use crate::board::{Edge, Hit, Line, LogLine, MotorWrite, Observer};
+use emulated_board::{Edge, Hit, Line, LogLine, MotorWrite, Observer};
 
 /// Everything a replay keeps of its board.
 pub(crate) struct Observation {

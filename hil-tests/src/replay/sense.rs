@@ -7,9 +7,9 @@ use anyhow::{Result, bail};
 use reflex::config::SHORTEST_WARM_UP;
 use reflex::settings::{Policy, WarmUp};
 
-use crate::flights::Flight;
 use crate::refusal::Refusal;
 use crate::replay_options::ReplayOptions;
+use recorded_flights::Flight;
 
 /// The longest gap, in s, that is bridged: beyond it there are two flights, or a broken stamp.
 const LONGEST_GAP_S: f64 = 30.0;
@@ -124,7 +124,7 @@ fn is_pipe(_: &fs::Metadata) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flights::{Rotate, Rotation};
+    use recorded_flights::{Rotate, Rotation};
     use std::fmt::Write;
 
     /// A still flight of `seconds` at 100 Hz whose specific force is `force`.

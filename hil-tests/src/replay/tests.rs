@@ -8,9 +8,9 @@ use reflex::time::micros;
 
 use super::replay;
 use crate::progress::Silent;
-use crate::recordings::recording;
 use crate::replay_options::ReplayOptions;
 use crate::scoring::{ModelState, Report};
+use recorded_flights::recordings::recording;
 
 fn fly(options: &ReplayOptions) -> Report {
     replay(options, &mut Silent).unwrap_or_else(|error| panic!("{error:#}"))

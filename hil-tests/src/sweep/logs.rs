@@ -7,10 +7,10 @@ use anyhow::{Error, Result};
 use serde::Serialize;
 
 use super::SweepOptions;
-use crate::flights::{Flight, FlightError};
 use crate::progress::Progress;
 use crate::refusal::Refusal;
 use crate::replay::{open_flight, sense};
+use recorded_flights::{Flight, FlightError};
 
 /// A flight with the path that it was read from.
 #[derive(Clone, Debug)]

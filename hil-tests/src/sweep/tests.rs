@@ -8,10 +8,10 @@ use tempfile::TempDir;
 
 use super::*;
 use crate::commands::grid_of;
-use crate::flights::{FlightError, Rotate, Rotation};
 use crate::native::tests::log_of_gusts;
 use crate::progress::Silent;
 use crate::refusal::Refusal;
+use recorded_flights::{FlightError, Rotate, Rotation};
 
 fn options(log: &Path, grid: &str) -> SweepOptions {
     SweepOptions {

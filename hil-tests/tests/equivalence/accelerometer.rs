@@ -21,11 +21,11 @@ use reflex_drivers::lsm303agr::{
 use super::comparison::{Comparison, Decision, Sample, Tally};
 use super::ports::SpiPort;
 use super::streams::{Dice, Kind, Stream};
-use crate::chips::bus::SpiChip;
-use crate::chips::lsm303agr::Accelerometer;
-use crate::chips::stimulus::STANDARD_GRAVITY;
-use crate::chips::testing::{real, write_spi};
-use crate::chips::{ChipOptions, StimulusSource};
+use chip_models::bus::SpiChip;
+use chip_models::lsm303agr::Accelerometer;
+use chip_models::stimulus::STANDARD_GRAVITY;
+use chip_models::testing::{real, write_spi};
+use chip_models::{ChipOptions, StimulusSource};
 
 /// The unit in which samples and thresholds are whole: 10 micro-g.
 const UNIT: f64 = 1e-5 * STANDARD_GRAVITY;

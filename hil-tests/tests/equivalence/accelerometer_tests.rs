@@ -7,7 +7,7 @@ use reflex_drivers::lsm303agr::{AccelDataRate, HighPassMode};
 use super::accelerometer::{Bench, Runs, Setting, lowered_sweep, sweep, watch};
 use super::comparison::Decision;
 use super::streams::Kind;
-use crate::chips::testing::{exact, force_g};
+use chip_models::testing::{exact, force_g};
 
 /// The failsafe runs, at the latest, when a reference is this old.
 const FAILSAFE_S: f64 = 0.1;

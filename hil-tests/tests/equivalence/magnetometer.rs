@@ -19,9 +19,9 @@ use reflex_drivers::lsm303agr::{
 use super::comparison::{Comparison, Decision, Sample, Tally};
 use super::ports::SpiPort;
 use super::streams::{Dice, Kind, Stream};
-use crate::chips::bus::SpiChip;
-use crate::chips::lsm303agr::Magnetometer;
-use crate::chips::testing::{real, write_spi};
+use chip_models::bus::SpiChip;
+use chip_models::lsm303agr::Magnetometer;
+use chip_models::testing::{real, write_spi};
 
 /// One count in gauss.
 const COUNT: f64 = 1.5e-3;

@@ -24,10 +24,10 @@ use reflex_drivers::mpu6050::{
 use super::comparison::{Comparison, Decision, Sample, Tally};
 use super::ports::I2cPort;
 use super::streams::{Dice, Kind, Stream};
-use crate::chips::bus::I2cChip;
-use crate::chips::stimulus::STANDARD_GRAVITY;
-use crate::chips::testing::real;
-use crate::chips::{ChipOptions, Mpu6050, StimulusSource};
+use chip_models::bus::I2cChip;
+use chip_models::stimulus::STANDARD_GRAVITY;
+use chip_models::testing::real;
+use chip_models::{ChipOptions, Mpu6050, StimulusSource};
 
 /// Units per count of the data registers: samples and thresholds are whole.
 pub const PER_COUNT: f32 = 125.0;

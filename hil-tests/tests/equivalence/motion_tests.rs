@@ -8,7 +8,7 @@ use reflex_drivers::mpu6050::{ImuConfig, MotionDecrement, MotionDetector, Motion
 use super::comparison::Decision;
 use super::motion::{Bench, COUNT, PER_COUNT, Setting, comparison, config, watch, whole};
 use super::streams::Kind;
-use crate::chips::testing::{MS, exact, force_g};
+use chip_models::testing::{MS, exact, force_g};
 
 const CORNERS: [MotionHighPass; 4] = [
     MotionHighPass::Hz5,

@@ -8,7 +8,7 @@ use std::convert::Infallible;
 use embedded_hal::i2c;
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 
-use crate::chips::bus::{I2cChip, SpiChip};
+use chip_models::bus::{I2cChip, SpiChip};
 
 /// A chip's SPI port at one instant.
 pub struct SpiPort<'a> {

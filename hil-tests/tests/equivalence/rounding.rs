@@ -17,7 +17,7 @@ use reflex_drivers::mpu6050::{MotionThreshold, NOMINAL_MOTION_STEP};
 use reflex_drivers::quantity::{Gauss, MetersPerSecondSquared};
 use reflex_drivers::threshold::ThresholdError;
 
-use crate::chips::stimulus::STANDARD_GRAVITY;
+use chip_models::stimulus::STANDARD_GRAVITY;
 
 /// mg per count of INT1_THS_A.
 const ACCEL_MG: [(AccelFullScale, f64); 4] = [

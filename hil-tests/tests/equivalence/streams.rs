@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Uniform};
 
-use crate::chips::stimulus::{STANDARD_GRAVITY, Stimulus, StimulusSource};
+use chip_models::stimulus::{STANDARD_GRAVITY, Stimulus, StimulusSource};
 
 /// Points per sample of the chip, so that its filters have something to do.
 const POINTS_PER_SAMPLE: u64 = 4;

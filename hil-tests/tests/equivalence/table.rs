@@ -186,7 +186,7 @@ fn the_measured_table_is_the_recorded_one() {
     motion_table(&mut text);
     println!("{text}");
     if std::env::var_os("REFLEX_BLESS").is_some_and(|flag| flag == "1") {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/chips/equivalence");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/equivalence");
         std::fs::write(folder.join("measured.txt"), text).expect("the source folder is writable");
         return;
     }

@@ -15,10 +15,10 @@ use reflex::settings::Settings;
 use super::maximum_likelihood::Sample;
 use super::recorded::settings;
 use super::tap::{Lessons, changes_of, tap};
-use crate::flights::Flight;
-use crate::native::fly;
-use crate::recordings::flights;
-use crate::replay_options::ReplayOptions;
+use hil_tests::native::fly;
+use hil_tests::replay_options::ReplayOptions;
+use recorded_flights::Flight;
+use recorded_flights::recordings::flights;
 
 /// Which inputs are shown, and in which of the settings: one in which the input is fitted.
 const PANELS: [(Input, usize); 6] = [

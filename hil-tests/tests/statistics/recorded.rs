@@ -5,9 +5,9 @@ use reflex::settings::Settings;
 
 use super::comparison::{Outcome, compare};
 use super::tap::tap;
-use crate::native::fly;
-use crate::recordings::flights;
-use crate::replay_options::ReplayOptions;
+use hil_tests::native::fly;
+use hil_tests::replay_options::ReplayOptions;
+use recorded_flights::recordings::flights;
 
 /// The triggers that make each of the leading inputs lead.
 pub(super) fn settings() -> [(&'static str, Settings); 3] {

@@ -1,6 +1,6 @@
 //! What the core's thread hands to the host's, one poll at a time.
 
-use crate::board::{Edge, FaultKind, Hit, LinkUse, MotorWrite, Observer, StackUse};
+use crate::{Edge, FaultKind, Hit, LinkUse, MotorWrite, Observer, StackUse};
 
 /// An event with an instant of its own.
 #[derive(Clone, Copy, Debug)]

@@ -11,7 +11,7 @@ use super::batch::{Batch, Event};
 use super::part::{Part, Rig};
 use super::syscfg::UNCLOCKED;
 use super::wiring;
-use crate::board::{Elf, FaultKind, Options};
+use crate::{Elf, FaultKind, Options};
 
 /// Where no memory and no register is: a bus error on silicon.
 pub(super) const HOLES: [Range<u64>; 6] = [

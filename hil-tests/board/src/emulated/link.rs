@@ -10,7 +10,7 @@ use rigless::chip::{Timeline, uart};
 use rigless::snapshot::Store;
 use rigless::time::VirtualNanos;
 
-use crate::board::LinkUse;
+use crate::LinkUse;
 
 /// What the two directions of the link carry.
 #[derive(Debug, Default)]

@@ -5,8 +5,8 @@ use std::ops::Range;
 use rigless::emulator::Host;
 use rigless::soc::Width;
 
-use crate::board::rings::TargetMemory;
-use crate::board::{FaultKind, StackUse};
+use crate::rings::TargetMemory;
+use crate::{FaultKind, StackUse};
 
 /// What unused stack holds: no address, no small number, no text.
 const PAINT: u32 = 0xC5AC_CE55;

@@ -23,7 +23,7 @@ use super::link::Link;
 use super::pwm_timer::{CHANNELS, PwmTimer};
 use super::sensors::Sensors;
 use super::syscfg::Syscfg;
-use crate::board::{Edge, Line};
+use crate::{Edge, Line};
 
 /// Crystal on the oscillator pins, in Hz.
 const CRYSTAL_HZ: u64 = 8_000_000;

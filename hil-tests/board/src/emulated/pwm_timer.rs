@@ -11,7 +11,7 @@ use rigless::device::{Device, DeviceContext, RegisterFile};
 use rigless::soc::RegisterSpec;
 use rigless::soc::stm32f427::generated::tim3::{self, Register};
 
-use crate::board::motors::CompareWrite;
+use crate::motors::CompareWrite;
 
 /// Output channels of one timer.
 pub(super) const CHANNELS: usize = 4;

@@ -17,9 +17,9 @@ use super::batch::{Batch, Command, Event, Final, Message};
 use super::health::{HOLES, Health};
 use super::memory::Memory;
 use super::part::Rig;
-use crate::board::motors::VectorGatherer;
-use crate::board::rings::{CallLog, RttLog};
-use crate::board::{self, CALLS_SYMBOL, Elf, FaultKind, Hit, Options, SETTINGS_SYMBOL};
+use crate::motors::VectorGatherer;
+use crate::rings::{CallLog, RttLog};
+use crate::{CALLS_SYMBOL, Elf, FaultKind, Hit, Options, SETTINGS_SYMBOL};
 
 /// Polls that cross to the host's thread together, to wake it less often.
 const POLLS_TOGETHER: usize = 16;
@@ -39,7 +39,7 @@ struct Feed {
 }
 
 impl Feed {
-    fn new(elf: &Elf, feed: &board::Feed) -> Result<Self> {
+    fn new(elf: &Elf, feed: &crate::Feed) -> Result<Self> {
         Ok(Self {
             asks: u64::from(elf.place_of(&feed.asks)?),
             address: feed.address,

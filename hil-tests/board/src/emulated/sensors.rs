@@ -14,8 +14,8 @@ use rigless::soc::stm32f427::Stm32f427;
 use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::soc::stm32f427::peripherals::spi::Select;
 
-use crate::board::Line;
-use crate::chips::{I2cChip, SharedChips, SpiChip};
+use crate::Line;
+use chip_models::{I2cChip, SharedChips, SpiChip};
 
 /// The chips of the board, each shared with its owner.
 #[derive(Clone)]

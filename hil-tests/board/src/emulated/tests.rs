@@ -7,7 +7,7 @@ mod runs;
 use std::sync::{Arc, Mutex};
 
 use super::Sensors;
-use crate::chips::{I2cChip, SpiChip};
+use chip_models::{I2cChip, SpiChip};
 
 /// A chip that only has an interrupt pin, high between two instants.
 #[derive(Clone, Copy, Debug, Default)]

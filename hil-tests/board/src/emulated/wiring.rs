@@ -9,8 +9,8 @@ use rigless::mcu::Mcu;
 use rigless::soc::stm32f427::generated::{dma2, exti, gpioa};
 
 use super::part::Part;
-use crate::board::Line;
-use crate::board::motors::MOTORS;
+use crate::Line;
+use crate::motors::MOTORS;
 
 /// How a pin must be configured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -15,10 +15,10 @@ use super::accelerometer_sampling::{Sample, Sampler, justify};
 use super::generator::{self, Generator};
 use super::output::Outputs;
 use super::spi::{Addressing, Byte, Transaction};
-use crate::chips::bus::SpiChip;
-use crate::chips::filter::HighPass;
-use crate::chips::options::ChipOptions;
-use crate::chips::stimulus::{STANDARD_GRAVITY, StimulusSource};
+use crate::bus::SpiChip;
+use crate::filter::HighPass;
+use crate::options::ChipOptions;
+use crate::stimulus::{STANDARD_GRAVITY, StimulusSource};
 
 /// How long a reload of the trimming takes.
 const BOOT_NS: u64 = 5_000_000;

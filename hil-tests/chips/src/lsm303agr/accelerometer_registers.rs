@@ -4,7 +4,7 @@
 //! those ST publishes in its register driver (lsm303agr-pid); the high-pass
 //! corners are the family's table (AN4825, like AN3308 for the LIS3DH).
 
-use crate::chips::register_file::{Map, RegisterFile};
+use crate::register_file::{Map, RegisterFile};
 
 pub const STATUS_REG_AUX_A: u8 = 0x07;
 pub const OUT_TEMP_L_A: u8 = 0x0C;

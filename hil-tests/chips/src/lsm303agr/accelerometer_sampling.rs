@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::accelerometer_registers::{Mode, Setup};
-use crate::chips::filter::LowPass;
-use crate::chips::noise::{Noise, Stream};
-use crate::chips::options::ChipOptions;
-use crate::chips::oscillator::{self, Ticker};
-use crate::chips::stimulus::{STANDARD_GRAVITY, StimulusSource};
+use crate::filter::LowPass;
+use crate::noise::{Noise, Stream};
+use crate::options::ChipOptions;
+use crate::oscillator::{self, Ticker};
+use crate::stimulus::{STANDARD_GRAVITY, StimulusSource};
 
 /// Tolerance of the data rate. The datasheet gives none: typical of the family.
 const TOLERANCE: f64 = 0.05;

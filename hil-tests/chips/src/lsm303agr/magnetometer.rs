@@ -14,12 +14,12 @@ use super::magnetometer_registers::{self as map, Mode, Registers};
 use super::magnetometer_threshold::Threshold;
 use super::output::Outputs;
 use super::spi::{Addressing, Byte, Transaction};
-use crate::chips::bus::SpiChip;
-use crate::chips::filter::HighPass;
-use crate::chips::noise::{Noise, Stream};
-use crate::chips::options::ChipOptions;
-use crate::chips::oscillator::{self, Ticker};
-use crate::chips::stimulus::StimulusSource;
+use crate::bus::SpiChip;
+use crate::filter::HighPass;
+use crate::noise::{Noise, Stream};
+use crate::options::ChipOptions;
+use crate::oscillator::{self, Ticker};
+use crate::stimulus::StimulusSource;
 
 /// Tolerance of the data rate. The datasheet gives none: typical of the family.
 const TOLERANCE: f64 = 0.05;

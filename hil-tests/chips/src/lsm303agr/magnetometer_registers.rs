@@ -1,6 +1,6 @@
 //! Register map of the magnetometer die and what its configuration means.
 
-use crate::chips::register_file::{Map, RegisterFile};
+use crate::register_file::{Map, RegisterFile};
 
 pub const OFFSET_X_REG_L_M: u8 = 0x45;
 pub const OFFSET_Z_REG_H_M: u8 = 0x4A;

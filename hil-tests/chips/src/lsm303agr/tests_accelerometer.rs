@@ -4,8 +4,8 @@ use proptest::prelude::*;
 
 use super::accelerometer_registers::*;
 use super::*;
-use crate::chips::testing::*;
-use crate::chips::{ChipOptions, Present};
+use crate::testing::*;
+use crate::{ChipOptions, Present};
 
 /// 100 Hz high resolution, +-4 g, block data update, three wires.
 const FLIGHT: [(u8, u8); 2] = [(CTRL_REG4_A, 0x99), (CTRL_REG1_A, 0x57)];
@@ -274,9 +274,9 @@ fn both_generators_reach_both_pins_with_either_polarity() {
 
 #[test]
 fn temperature_counts_from_25_degrees_in_the_modes_resolution() {
-    let warm: Arc<dyn StimulusSource> = Arc::new(|_| crate::chips::Stimulus {
+    let warm: Arc<dyn StimulusSource> = Arc::new(|_| crate::Stimulus {
         temperature_c: 35.0,
-        ..crate::chips::Stimulus::default()
+        ..crate::Stimulus::default()
     });
     for (low_power, code) in [(0x00, 40_i16 << 6), (0x08, 10 << 8)] {
         let extra = [(TEMP_CFG_REG_A, 0xC0), (CTRL_REG1_A, 0x57 | low_power)];

@@ -2,7 +2,7 @@
 
 use super::accelerometer_registers::*;
 use super::*;
-use crate::chips::testing::*;
+use crate::testing::*;
 
 /// Generator 1 on high-passed data, latched on the pin, 100 Hz normal mode.
 fn chip(source: Arc<dyn StimulusSource>, filter: u8, threshold: u8) -> Accelerometer {

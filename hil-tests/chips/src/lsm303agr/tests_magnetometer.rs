@@ -4,8 +4,8 @@ use proptest::prelude::*;
 
 use super::magnetometer_registers::*;
 use super::*;
-use crate::chips::testing::*;
-use crate::chips::{ChipOptions, Present};
+use crate::testing::*;
+use crate::{ChipOptions, Present};
 
 /// 100 Hz continuous, block data update.
 const FLIGHT: [(u8, u8); 2] = [(CFG_REG_C_M, 0x10), (CFG_REG_A_M, 0x0C)];

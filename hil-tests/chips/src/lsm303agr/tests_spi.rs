@@ -3,7 +3,7 @@
 use super::accelerometer_registers as xl;
 use super::magnetometer_registers as mg;
 use super::*;
-use crate::chips::testing::*;
+use crate::testing::*;
 
 fn chip() -> Lsm303agr {
     Lsm303agr::new(lively(), exact())

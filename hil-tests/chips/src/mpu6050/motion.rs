@@ -6,7 +6,7 @@
 //! stays there; the next interrupt needs it to have fallen below first.
 
 use super::registers::{self, Registers, Setup};
-use crate::chips::filter::HighPass;
+use crate::filter::HighPass;
 
 /// Corner in Hz by ACCEL_HPF 1..=4, RM-MPU-6000A register 28.
 const CORNERS: [f64; 4] = [5.0, 2.5, 1.25, 0.63];

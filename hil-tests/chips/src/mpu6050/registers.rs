@@ -3,7 +3,7 @@
 //! Source: RM-MPU-6000A rev. 4.2, and rev. 3.2 for the motion detector, whose
 //! bits later revisions hide (ACCEL_HPF, MOT_DUR, MOT_DETECT_CTRL and STATUS).
 
-use crate::chips::register_file::{Map, RegisterFile};
+use crate::register_file::{Map, RegisterFile};
 
 pub const SMPLRT_DIV: u8 = 0x19;
 pub const CONFIG: u8 = 0x1A;

@@ -13,11 +13,11 @@
 use std::sync::Arc;
 
 use super::registers::{ClockSource, Setup};
-use crate::chips::filter::LowPass;
-use crate::chips::noise::{Noise, Stream};
-use crate::chips::options::{ChipOptions, Present};
-use crate::chips::oscillator::{self, Ticker};
-use crate::chips::stimulus::{STANDARD_GRAVITY, StimulusSource};
+use crate::filter::LowPass;
+use crate::noise::{Noise, Stream};
+use crate::options::{ChipOptions, Present};
+use crate::oscillator::{self, Ticker};
+use crate::stimulus::{STANDARD_GRAVITY, StimulusSource};
 
 /// Internal rate of the gyroscope's converter, Hz.
 const GYRO_RATE: f64 = 8000.0;

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::registers::*;
 use super::*;
-use crate::chips::testing::*;
+use crate::testing::*;
 
 /// Awake on the gyroscope clock, 98 Hz low-pass, 1 kHz, +-2000 deg/s, +-16 g.
 const FLIGHT: [(u8, u8); 7] = [
@@ -103,10 +103,10 @@ fn the_clock_source_decides_the_tolerance() {
 
 #[test]
 fn full_scale_ranges_have_the_datasheets_sensitivity() {
-    let source: Arc<dyn StimulusSource> = Arc::new(|_| crate::chips::Stimulus {
+    let source: Arc<dyn StimulusSource> = Arc::new(|_| crate::Stimulus {
         gyro: [100.0_f64.to_radians(), -100.0_f64.to_radians(), 0.0],
         specific_force: [9.80665, -9.80665, 0.0],
-        ..crate::chips::Stimulus::default()
+        ..crate::Stimulus::default()
     });
     for (range, gyro, accel) in [
         (0, 13_100, 16_384),
@@ -299,7 +299,7 @@ fn standby_freezes_the_axes_it_names() {
 
 #[test]
 fn an_absent_gyro_answers_zeros_while_data_ready_goes_on() {
-    let present = crate::chips::Present {
+    let present = crate::Present {
         gyro: false,
         ..Default::default()
     };

@@ -3,7 +3,7 @@
 use super::registers::*;
 use super::tests::chip;
 use super::*;
-use crate::chips::testing::*;
+use crate::testing::*;
 
 #[test]
 fn data_ready_pulses_for_50_us_per_sample() {

@@ -2,7 +2,7 @@
 
 use super::registers::*;
 use super::*;
-use crate::chips::testing::*;
+use crate::testing::*;
 
 /// Motion only: hold mode, 10 counts of 32 mg = 0.32 g, 3 ms, decrement 1.
 const MOTION_HOLD: [(u8, u8); 7] = [

@@ -1,7 +1,7 @@
 //! Logs of text: what is read, and how bad ones are refused.
 
 use super::samples::{csv, full_csv, named};
-use crate::flights::{Flight, Place, Rotate, Rotation, RotationReason};
+use recorded_flights::{Flight, Place, Rotate, Rotation, RotationReason};
 
 /// The one line that a log is refused with.
 fn refusal(text: &str) -> String {

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::samples::full_csv;
 use super::ulog_bytes::{Ulog, level_flight};
-use crate::flights::{Bench, Flight, Rotate, Setpoints, schedule};
+use recorded_flights::{Bench, Flight, Rotate, Setpoints, schedule};
 
 /// Reads a log and, if it is good, uses all of it.
 fn read_and_use(bytes: &[u8]) {

@@ -5,7 +5,7 @@ use mavlink::{MAVLinkV2MessageRaw, MavlinkVersion, Message};
 
 use super::samples::{flight, hover};
 use super::ulog_bytes::{Ulog, level_flight};
-use crate::flights::{Bench, Flight, LinkFrame, Rotate, Setpoints, schedule};
+use recorded_flights::{Bench, Flight, LinkFrame, Rotate, Setpoints, schedule};
 
 const START_NS: u64 = 1_500_000_000;
 

@@ -5,7 +5,7 @@ mod fuzz;
 mod link;
 mod recordings;
 mod replay;
-pub(super) mod samples;
+mod samples;
 mod setpoints;
 mod ulog_bytes;
 mod ulogs;

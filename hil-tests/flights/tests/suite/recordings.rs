@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use crate::chips::stimulus::StimulusSource;
-use crate::flights::{
+use chip_models::stimulus::StimulusSource;
+use recorded_flights::recordings::recording;
+use recorded_flights::{
     Bench, Flight, FlightStimulus, Rotate, Rotation, SetpointSource, Setpoints, sample_flight,
     schedule,
 };
-use crate::recordings::recording;
 
 fn read(path: &Path) -> Flight {
     Flight::read(path, Rotate::Auto).unwrap_or_else(|error| panic!("{error}"))
@@ -161,7 +161,7 @@ fn the_computed_attitude_agrees_with_the_recorded_one() {
     };
     let recorded = read(&path);
     let mut bare = recorded.clone();
-    bare.recorded = crate::flights::Recorded {
+    bare.recorded = recorded_flights::Recorded {
         thrust_setpoint: None,
         ..Default::default()
     };

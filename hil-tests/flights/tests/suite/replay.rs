@@ -1,8 +1,8 @@
 //! What the sensors feel of a flight.
 
 use super::samples::{flight, hover};
-use crate::chips::stimulus::{STANDARD_GRAVITY, StimulusSource};
-use crate::flights::{Bench, FlightStimulus};
+use chip_models::stimulus::{STANDARD_GRAVITY, StimulusSource};
+use recorded_flights::{Bench, FlightStimulus};
 
 const BENCH_NS: u64 = 1_500_000_000;
 

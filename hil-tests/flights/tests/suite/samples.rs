@@ -1,16 +1,12 @@
 //! Flights made up for tests.
 
-use crate::flights::{Fault, Flight, Rotate, Rotation};
+use recorded_flights::{Fault, Flight, Rotate, Rotation};
 
 /// Samples per second of made-up flights.
-pub(in crate::flights) const RATE_HZ: f64 = 200.0;
+pub const RATE_HZ: f64 = 200.0;
 
 /// A CSV log: header, then rows of what `columns` says at each time (s).
-pub(in crate::flights) fn csv(
-    header: &str,
-    length_s: f64,
-    columns: impl Fn(f64) -> Vec<f64>,
-) -> String {
+pub fn csv(header: &str, length_s: f64, columns: impl Fn(f64) -> Vec<f64>) -> String {
     let mut text = format!("{header}\n");
     for sample in 0..=(length_s * RATE_HZ) as u64 {
         let time = sample as f64 / RATE_HZ;
@@ -21,10 +17,7 @@ pub(in crate::flights) fn csv(
 }
 
 /// A flight of gyroscope and accelerometer, not turned.
-pub(in crate::flights) fn flight(
-    length_s: f64,
-    motion: impl Fn(f64) -> ([f64; 3], [f64; 3]),
-) -> Flight {
+pub fn flight(length_s: f64, motion: impl Fn(f64) -> ([f64; 3], [f64; 3])) -> Flight {
     let text = csv("t_us,gx,gy,gz,ax,ay,az", length_s, |time| {
         let (gyro, accel) = motion(time);
         [gyro, accel].concat()
@@ -33,17 +26,17 @@ pub(in crate::flights) fn flight(
 }
 
 /// Reads a log of text.
-pub(in crate::flights) fn named(text: &str, rotate: Rotate) -> Result<Flight, Fault> {
+pub fn named(text: &str, rotate: Rotate) -> Result<Flight, Fault> {
     Flight::of_bytes("made-up".to_owned(), text.as_bytes(), rotate)
 }
 
 /// A drone that hovers with its z axis down.
-pub(in crate::flights) fn hover() -> Flight {
+pub fn hover() -> Flight {
     flight(3.0, |_| ([0.0; 3], [0.0, 0.0, -9.806_65]))
 }
 
 /// A good log of text with all columns.
-pub(in crate::flights) fn full_csv() -> String {
+pub fn full_csv() -> String {
     let header = "t_us,gx,gy,gz,ax,ay,az,mx,my,mz,m1,m2,m3,m4";
     csv(header, 2.0, |t| {
         let held = (t * 10.0).floor() / 100.0;

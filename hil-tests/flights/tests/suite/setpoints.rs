@@ -2,7 +2,7 @@
 
 use super::samples::{csv, flight, hover, named};
 use super::ulog_bytes::{Ulog, level_flight};
-use crate::flights::{Flight, Rotate, SetpointSource, Setpoints};
+use recorded_flights::{Flight, Rotate, SetpointSource, Setpoints};
 
 /// A level flight whose log has setpoints with a thrust (pointing up).
 pub(super) fn with_setpoints(thrust: f32) -> Flight {

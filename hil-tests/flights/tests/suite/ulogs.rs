@@ -1,7 +1,7 @@
 //! ULog files: what is read, and how bad ones are refused.
 
 use super::ulog_bytes::{COMBINED, Ulog, combined, level_flight};
-use crate::flights::{Fault, Flight, LogFormat, Place, Rotate, Rotation, RotationReason};
+use recorded_flights::{Fault, Flight, LogFormat, Place, Rotate, Rotation, RotationReason};
 
 fn read(log: &Ulog) -> Result<Flight, Fault> {
     Flight::of_bytes("log".to_owned(), &log.bytes, Rotate::Auto)

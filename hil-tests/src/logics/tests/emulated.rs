@@ -10,11 +10,11 @@ use reflex_bench::digest::CommandDigest;
 use reflex_bench::{BLOCK_STEPS, BLOCK_SYMBOLS, LOGICS};
 
 use super::*;
-use crate::board::emulated::EmulatedBoard;
-use crate::board::{Board, Elf, Feed, Hit, LogLine, Observer, Options, Watched};
 use crate::costs::at_rest;
 use crate::firmware::Firmware;
 use crate::progress::Silent;
+use emulated_board::emulated::EmulatedBoard;
+use emulated_board::{Board, Elf, Feed, Hit, LogLine, Observer, Options, Watched};
 
 /// Virtual time between two looks, and the most that a flight may take, ns.
 const LOOK_NS: u64 = 100_000_000;

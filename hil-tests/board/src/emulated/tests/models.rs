@@ -6,9 +6,9 @@ use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
 use super::{Pulse, sensors};
-use crate::board::emulated::link::Link;
-use crate::board::emulated::part::Part;
-use crate::board::emulated::wiring;
+use crate::emulated::link::Link;
+use crate::emulated::part::Part;
+use crate::emulated::wiring;
 
 const RCC_APB1ENR: u64 = 0x4002_3840;
 const RCC_APB2ENR: u64 = 0x4002_3844;

@@ -1,6 +1,6 @@
 //! Programs of a few words, linked into an ELF by hand.
 
-use crate::board::Elf;
+use crate::Elf;
 
 /// Where the image is flashed; the vectors come first.
 const FLASH: u32 = 0x0800_0000;

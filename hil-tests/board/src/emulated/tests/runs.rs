@@ -6,8 +6,8 @@ use super::program::{
     CALLS, CODE, CRASH, HELLO, PANICKED, SETTINGS, STACK, assembled, logging, writing, writing_then,
 };
 use super::{Pulse, sensors};
-use crate::board::emulated::EmulatedBoard;
-use crate::board::{
+use crate::emulated::EmulatedBoard;
+use crate::{
     Board, Edge, Elf, Fault, FaultKind, Feed, Hit, Line, LogLine, MotorWrite, Observer, Options,
     Outcome, Watched,
 };
