@@ -16,7 +16,7 @@ mod telemetry;
 
 pub use crate::reactive::{Next, Outcome, Reason};
 pub use call::{Call, CallRing, DecodeError, LONGEST_RECORD, RING_LENGTH, Ran, Recorder, Stamped};
-pub use door::{ChipOrder, Fault, OrderError};
+pub use door::{ChipAction, ChipOrder, ChipSetting, Fault, OrderError};
 pub use telemetry::{Event, Events, Telemetry};
 
 use crate::control::Setpoint;
@@ -26,9 +26,10 @@ use crate::link::{Answer, Destination, ExternalPose, Message};
 use crate::math::{Vec3, wrapped};
 use crate::reactive::{FallbackReason, Fit, PhaseEvent, Reactive, Refit, RefitJob, Review, Run};
 use crate::safety::{Arming, ArmingEvent, MotorOutput, Passed, Refusal, Safety};
-use crate::sensors::{Cause, IMU_BURST_LENGTH, ImuSample, Input, Inputs, chip_field, chip_force};
+use crate::sensors::{Cause, ImuReading, Input, Inputs};
 use crate::settings::Settings;
 use crate::time::Instant;
+use crate::units::{MagneticField, SpecificForce};
 use chips::Chips;
 use demand::{Demand, Flight};
 use record::Record;
@@ -76,14 +77,14 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         }
     }
 
-    // The way of a sample, from its burst to the motors.
+    // The way of a sample, from its reading to the motors.
 
-    /// A burst of the MPU6050 was received; `at` is the stamp of its interrupt.
+    /// The inertial sensor was read; `at` is the stamp of its interrupt.
     ///
     /// Filters, sums and compares; ends the hyperperiod where it is the last that gates.
-    pub fn on_imu(&mut self, at: Instant, burst: &[u8; IMU_BURST_LENGTH]) -> Next {
-        self.record.call(at, Call::Imu(*burst));
-        let Some(summed) = self.take(at, burst) else {
+    pub fn on_imu(&mut self, at: Instant, reading: &ImuReading) -> Next {
+        self.record.call(at, Call::Imu(*reading));
+        let Some(summed) = self.take(at, reading) else {
             return Next::Wait;
         };
         if summed {
@@ -116,15 +117,11 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
 
     // The steps of that way.
 
-    /// Calibrates with a sample, or filters and sums it; true where it was summed, `None` where
-    /// it does not count as a sample.
-    fn take(&mut self, at: Instant, burst: &[u8; IMU_BURST_LENGTH]) -> Option<bool> {
-        let Some(sample) = ImuSample::from_burst(at, burst) else {
-            self.record.fault(Fault::ImuStale);
-            return None;
-        };
+    /// Calibrates with a sample, or filters and sums it; true where it was summed, `None` while
+    /// samples calibrate.
+    fn take(&mut self, at: Instant, reading: &ImuReading) -> Option<bool> {
         let (armed, cutoff) = (self.safety.is_armed(), self.graph.derivative_cutoff());
-        match self.sensing.take(&sample, burst, armed, cutoff) {
+        match self.sensing.take(at, reading, armed, cutoff) {
             Taken::Calibrating => return None,
             Taken::Calibrated(force) => {
                 self.graph.align(force);
@@ -291,30 +288,30 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         }
     }
 
-    // The other chip.
+    // The chips that compare.
 
-    /// A sample of the LSM303AGR's accelerometer; `at` is the stamp of its interrupt.
-    pub fn on_chip_accel(&mut self, at: Instant, counts: [i16; 3], cause: Cause) -> Next {
-        self.record.call(at, Call::ChipAccel(counts, cause));
-        if self.chips.accel.on_sample(at, counts) {
+    /// A sample of the accelerometer that compares; `at` is the stamp of its interrupt.
+    pub fn on_chip_accel(&mut self, at: Instant, force: SpecificForce, cause: Cause) -> Next {
+        self.record.call(at, Call::ChipAccel(force, cause));
+        if self.chips.accel.on_sample(at, force.0) {
             self.record.fault(Fault::AccelStuck);
             self.on_chip_lost(Input::ChipAccel);
         }
-        self.on_chip_sample(at, Input::ChipAccel, chip_force(counts).0, cause)
+        self.on_chip_sample(at, Input::ChipAccel, force.0, cause)
     }
 
-    /// A sample of the LSM303AGR's magnetometer, its OFFSET registers added back.
-    pub fn on_chip_mag(&mut self, at: Instant, counts: [i16; 3], cause: Cause) -> Next {
-        self.record.call(at, Call::ChipMag(counts, cause));
-        if self.chips.mag.on_sample(at, counts) {
+    /// A sample of the magnetometer that compares; `at` is the stamp of its interrupt.
+    pub fn on_chip_mag(&mut self, at: Instant, field: MagneticField, cause: Cause) -> Next {
+        self.record.call(at, Call::ChipMag(field, cause));
+        if self.chips.mag.on_sample(at, field.0) {
             self.record.fault(Fault::MagStuck);
             self.on_chip_lost(Input::ChipMag);
         }
-        let field = chip_field(counts).0;
         if !self.chips.mag.is_stuck() {
-            self.sensing.take_field(at, field, self.graph.estimate());
+            self.sensing
+                .take_field(at, field.0, self.graph.estimate());
         }
-        self.on_chip_sample(at, Input::ChipMag, field, cause)
+        self.on_chip_sample(at, Input::ChipMag, field.0, cause)
     }
 
     fn on_chip_sample(&mut self, at: Instant, input: Input, sample: Vec3, cause: Cause) -> Next {

@@ -37,8 +37,8 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m::singleton;
 use embedded_hal_bus::util::AtomicCell;
 use reflex::config::MOTORS;
-use reflex::sensors::IMU_BURST_LENGTH;
 use reflex::settings::Settings;
+use reflex_drivers::mpu6050::{BURST_LENGTH, CHECKS};
 use stm32f4xx_hal::dma::StreamsTuple;
 use stm32f4xx_hal::gpio::{Edge, ExtiPin, PinState, Pull, gpioc, gpiod};
 use stm32f4xx_hal::syscfg::SysCfg;
@@ -103,7 +103,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     );
     let spi = spi::Spi1::new(device.SPI1, (a.pa5, a.pa6, a.pa7), rcc);
     let spi = singleton!(: AtomicCell<spi::Spi1> = AtomicCell::new(spi)).unwrap();
-    let chips = Chips::start(spi, selects);
+    let chips = lsm303agr::start(spi, selects, &settings);
 
     let (scl, sda) = (
         b.pb8.into_alternate_open_drain(),
@@ -111,8 +111,8 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     );
     let mut bus = i2c::Bus::new(device.I2C1, scl, sda, rcc);
     imu::start(&mut bus);
-    let buffer = singleton!(: [u8; IMU_BURST_LENGTH] = [0; IMU_BURST_LENGTH]).unwrap();
-    let mut imu_bus = Engine::new(streams.0, buffer, &reflex_drivers::mpu6050::CHECKS);
+    let buffer = singleton!(: [u8; BURST_LENGTH] = [0; BURST_LENGTH]).unwrap();
+    let mut imu_bus = Engine::new(streams.0, buffer, &CHECKS);
     imu_bus.give_back(bus, None);
     watchdog.feed();
     let link = Link::new(port);

@@ -3,6 +3,7 @@
 //! This library is everything portable: no hardware, no clock, no allocation, no `unsafe`. From
 //! the outside in:
 //!
+//! - [`tasks`]: what a board does around the autopilot, with the drivers of its chips
 //! - [`app`]: the autopilot, the one door that firmware and hosts use
 //! - [`reactive`]: triggers, models, learning, the supervisor (Bregu et al., MobiSys 2016)
 //! - [`graph`] on [`dataflow`]: control logics as graphs that run only what a change reaches
@@ -39,5 +40,6 @@ pub mod reactive;
 pub mod safety;
 pub mod sensors;
 pub mod settings;
+pub mod tasks;
 pub mod time;
 pub mod units;

@@ -43,6 +43,8 @@ mod app {
     use defmt_rtt as _;
     use panic_probe as _;
     use reflex::app::{Autopilot, CallRing, Fault, Next};
+    use reflex::tasks::chips::Chips as _;
+    use reflex::tasks::mpu6050;
     use reflex::time::{Instant, micros};
     use rtic_time::Monotonic;
     use stm32f4xx_hal::pac::Interrupt;
@@ -137,7 +139,10 @@ mod app {
         let (mut bus, mut autopilot) = (cx.shared.imu_bus, cx.shared.autopilot);
         while let Some(report) = bus.lock(|bus| bus.report()) {
             autopilot.lock(|pilot| match report {
-                Report::Burst(at, bytes) => raise(pilot.on_imu(at, &bytes)),
+                Report::Burst(at, bytes) => match mpu6050::reading(&bytes) {
+                    Some(reading) => raise(pilot.on_imu(at, &reading)),
+                    None => pilot.on_fault(at, Fault::ImuStale),
+                },
                 Report::Fault(at, fault) => pilot.on_fault(at, fault),
                 Report::Check(check, held) if imu::matches(check, held) => {}
                 Report::Check(..) => {
@@ -193,8 +198,8 @@ mod app {
     fn chips(cx: chips::Context) {
         let (mut autopilot, mut fetches) = (cx.shared.autopilot, cx.shared.fetches);
         for _ in 0..MOST_AT_ONCE {
-            if let Some((half, at)) = fetches.lock(Fetches::next) {
-                let sample = cx.local.chips.fetch(half);
+            if let Some((input, at)) = fetches.lock(Fetches::next) {
+                let sample = cx.local.chips.fetch(input);
                 autopilot.lock(|pilot| match sample {
                     Ok(sample) => raise(sample.deliver(pilot, at)),
                     Err(_) => pilot.on_fault(at, Fault::ChipBus),
@@ -203,10 +208,10 @@ mod app {
                 let result = cx.local.chips.execute(order);
                 autopilot.lock(|pilot| {
                     let at = now();
-                    if let Ok(Some(sample)) = result {
+                    if let Ok(Some(sample)) = result.map(|obeyed| obeyed.sample) {
                         raise(sample.deliver(pilot, at));
                     }
-                    pilot.on_order_done(at, order, result.map(|_| ()));
+                    pilot.on_order_done(at, order, result.map(|obeyed| obeyed.setting));
                 });
                 if result.is_err() {
                     return;

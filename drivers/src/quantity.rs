@@ -29,6 +29,10 @@ quantity! {
     /// Rate or corner frequency, in Hz.
     Hertz
 }
+quantity! {
+    /// Span of time, in s.
+    Seconds
+}
 
 /// Standard gravity in m/s2, by which datasheets' `g` are turned into SI.
 pub const STANDARD_GRAVITY: f32 = 9.806_65;

@@ -23,7 +23,6 @@ mod tasks;
 pub(crate) mod tests;
 mod timing;
 mod wires;
-mod words;
 
 use std::sync::Arc;
 

@@ -7,13 +7,14 @@
 //!
 //! A record is a kind, the stamp in microseconds (8 bytes) and the fields, little-endian.
 
-use super::{Autopilot, ChipOrder, Fault, OrderError, Reason};
+use super::{Autopilot, ChipOrder, ChipSetting, Fault, OrderError, Reason};
 use crate::config::MOTORS;
 use crate::graph::ControlLogic;
 use crate::link::Message;
 use crate::reactive::{Fit, Label, Refit};
-use crate::sensors::{Cause, IMU_BURST_LENGTH, Input, Inputs};
+use crate::sensors::{Cause, ImuReading, Input, Inputs};
 use crate::time::{Instant, at_micros};
+use crate::units::{MagneticField, SpecificForce};
 
 mod codec;
 mod ring;
@@ -28,11 +29,11 @@ pub const LONGEST_RECORD: usize = 80;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Call {
     /// `on_imu`
-    Imu([u8; IMU_BURST_LENGTH]),
+    Imu(ImuReading),
     /// `on_chip_accel`
-    ChipAccel([i16; 3], Cause),
+    ChipAccel(SpecificForce, Cause),
     /// `on_chip_mag`
-    ChipMag([i16; 3], Cause),
+    ChipMag(MagneticField, Cause),
     /// `on_message`
     Message(Message),
     /// `on_fault`
@@ -42,7 +43,7 @@ pub enum Call {
     /// `on_timer`
     Timer,
     /// `on_order_done`
-    OrderDone(ChipOrder, Result<(), OrderError>),
+    OrderDone(ChipOrder, Result<ChipSetting, OrderError>),
     /// `on_refit`
     Refit(Refit),
     /// Not a call: what a run came to.
@@ -111,9 +112,10 @@ impl Stamped {
         out.byte(kind(&self.call));
         out.put(self.at.ticks().to_le_bytes());
         match &self.call {
-            Call::Imu(burst) => out.put(*burst),
-            Call::ChipAccel(counts, cause) | Call::ChipMag(counts, cause) => {
-                out.counts(*counts);
+            Call::Imu(reading) => out.reading(reading),
+            Call::ChipAccel(SpecificForce(sample), cause)
+            | Call::ChipMag(MagneticField(sample), cause) => {
+                out.vector(*sample);
                 out.byte(*cause as u8);
             }
             Call::Message(message) => out.message(message),
@@ -128,9 +130,7 @@ impl Stamped {
                 out.put([ran.reason as u8, ran.asked.bits()]);
                 // No probability is not a number.
                 out.float(ran.expected.unwrap_or(f32::NAN));
-                for share in ran.shares {
-                    out.float(share);
-                }
+                out.floats(ran.shares);
             }
         }
         out.finish()
@@ -146,9 +146,9 @@ impl Stamped {
         let kind = from.byte()?;
         let at = at_micros(u64::from_le_bytes(from.take()?));
         let call = match kind {
-            1 => Call::Imu(from.take()?),
-            2 => Call::ChipAccel(from.counts()?, from.cause()?),
-            3 => Call::ChipMag(from.counts()?, from.cause()?),
+            1 => Call::Imu(from.reading()?),
+            2 => Call::ChipAccel(SpecificForce(from.vector()?), from.cause()?),
+            3 => Call::ChipMag(MagneticField(from.vector()?), from.cause()?),
             4 => Call::Message(from.message()?),
             5 => Call::Fault(from.choice(Fault::from_number)?),
             6 => Call::Hyperperiod,
@@ -159,7 +159,7 @@ impl Stamped {
                 reason: from.choice(Reason::from_number)?,
                 asked: Inputs::from_bits(from.byte()?),
                 expected: Some(from.float()?).filter(|expected| !expected.is_nan()),
-                shares: from.shares()?,
+                shares: from.floats()?,
             }),
             other => return Err(DecodeError::Unknown(other)),
         };
@@ -175,9 +175,9 @@ impl Call {
         autopilot: &mut Autopilot<R, L>,
     ) {
         match self {
-            Self::Imu(burst) => drop(autopilot.on_imu(at, burst)),
-            Self::ChipAccel(counts, cause) => drop(autopilot.on_chip_accel(at, *counts, *cause)),
-            Self::ChipMag(counts, cause) => drop(autopilot.on_chip_mag(at, *counts, *cause)),
+            Self::Imu(reading) => drop(autopilot.on_imu(at, reading)),
+            Self::ChipAccel(force, cause) => drop(autopilot.on_chip_accel(at, *force, *cause)),
+            Self::ChipMag(field, cause) => drop(autopilot.on_chip_mag(at, *field, *cause)),
             Self::Message(message) => drop(autopilot.on_message(at, message)),
             Self::Fault(fault) => autopilot.on_fault(at, *fault),
             Self::Hyperperiod => drop(autopilot.on_hyperperiod(at)),

@@ -1,23 +1,18 @@
-//! What the LSM303AGR's two chips shall do, and what they were seen to do.
+//! What the chips that compare shall do, and what they were seen to do.
 //!
-//! In the warm-up every sample is wanted; in reactive control, with a model, the chip compares
-//! and only tells of a change past its threshold. Orders go out one at a time per chip, are
-//! read back by the board, and are repeated while they fail.
+//! In the warm-up every sample is wanted. In reactive control, with a model, the chip compares and
+//! interrupts only past its threshold. Thresholds are ordered in SI units; the chip's driver
+//! rounds them, and its answer says which thresholds the setting serves. Orders are given one at
+//! a time per chip, are read back by the board, and are repeated while they fail.
 
-use super::{Autopilot, Call, ChipOrder, Event, Fault, OrderError, Recorder};
-use crate::config::{CHIP_ACCEL, CHIP_ACCEL_RATE, CHIP_MAG};
+use super::{
+    Autopilot, Call, ChipAction, ChipOrder, ChipSetting, Event, Fault, OrderError, Recorder,
+};
+use crate::config::{CHIP_ACCEL, CHIP_MAG};
 use crate::graph::ControlLogic;
-use crate::sensors::{GRAVITY, Input, Inputs, MAG_SCALE};
-use crate::time::{Duration, Instant, micros, seconds, span};
-
-/// m/s2 per code of the accelerometer's threshold at +-2 g: 16 mg (LSM303AGR, INT1_THS_A).
-const ACCEL_CODE: f32 = 0.016 * GRAVITY;
-
-/// The largest threshold code of the accelerometer: 7 bits.
-const LARGEST_ACCEL_CODE: f32 = 127.0;
-
-/// Time constant (s) of the accelerometer's high-pass at its lowest corner, rate / 400.
-const HIGH_PASS_TIME: f32 = 400.0 / (core::f32::consts::TAU * CHIP_ACCEL_RATE as f32);
+use crate::math::Vec3;
+use crate::sensors::{Input, Inputs};
+use crate::time::{Duration, Instant, micros, span};
 
 /// A sample that repeats this often, bit by bit, comes from a chip that is stuck.
 const STUCK: u8 = 50;
@@ -25,18 +20,36 @@ const STUCK: u8 = 50;
 /// After this long without an answer an order counts as lost, and after a failure is given again.
 const PATIENCE: Duration = micros(100_000);
 
-/// What a chip interrupts for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What a chip shall interrupt for: every sample, or a change past a threshold.
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Mode {
     DataReady,
-    Threshold(u16),
+    Threshold(f32),
 }
 
-/// One of the two chips.
+impl Mode {
+    fn action(self) -> ChipAction {
+        match self {
+            Self::DataReady => ChipAction::DataReady,
+            Self::Threshold(change) => ChipAction::Threshold(change),
+        }
+    }
+
+    /// True where a chip that is set like this does what is wanted.
+    fn is_served_by(self, setting: ChipSetting) -> bool {
+        match self {
+            Self::DataReady => !setting.compares(),
+            Self::Threshold(change) => setting.serves(change),
+        }
+    }
+}
+
+/// One chip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Chip {
     wanted: Mode,
-    programmed: Option<Mode>,
+    /// What was ordered last, and the chip's answer; `None` where it is not known.
+    programmed: Option<(Mode, ChipSetting)>,
     /// When the order under way was given, or the last one failed: nothing is ordered for a while.
     quiet_since: Option<Instant>,
     failures: u32,
@@ -46,7 +59,7 @@ pub(super) struct Chip {
     /// When its threshold was last read back.
     checked: Instant,
     silence_told: bool,
-    counts: [i16; 3],
+    sample: Vec3,
     repeats: u8,
 }
 
@@ -69,30 +82,23 @@ impl Default for Chip {
             seen: Instant::from_ticks(0),
             checked: Instant::from_ticks(0),
             silence_told: false,
-            counts: [0; 3],
+            sample: Vec3::ZERO,
             repeats: 0,
         }
     }
 }
 
-/// What one chip needs next.
-enum Need {
-    Program(Mode),
-    Rearm,
-    Heartbeat,
-}
-
 impl Chip {
     /// Takes a sample; true where it shows for the first time that the chip is stuck.
-    pub(super) fn on_sample(&mut self, at: Instant, counts: [i16; 3]) -> bool {
+    pub(super) fn on_sample(&mut self, at: Instant, sample: Vec3) -> bool {
         self.seen = at;
         self.silence_told = false;
-        self.repeats = if counts == self.counts {
+        self.repeats = if sample == self.sample {
             self.repeats.saturating_add(1)
         } else {
             0
         };
-        self.counts = counts;
+        self.sample = sample;
         self.repeats == STUCK
     }
 
@@ -101,22 +107,22 @@ impl Chip {
         self.repeats >= STUCK
     }
 
-    /// Re-arming more often than the chip samples would change nothing.
-    fn need(&mut self, now: Instant, period: Duration, failsafe: Duration) -> Option<Need> {
+    /// What it shall do next. Re-arming more often than it samples would change nothing.
+    fn need(&mut self, now: Instant, period: Duration, failsafe: Duration) -> Option<ChipAction> {
         if self.quiet_since.is_some_and(|at| span(at, now) < PATIENCE) {
             return None;
         }
-        let compares = matches!(self.wanted, Mode::Threshold(_));
+        let compares = self.compares();
         // A chip that compares may rightly be silent, and is asked whether it still does.
         let heard = if compares { self.checked } else { self.seen };
-        let need = if self.programmed != Some(self.wanted) {
-            Need::Program(self.wanted)
+        let need = if !self.is_as_wanted() {
+            self.wanted.action()
         } else if span(heard, now) >= failsafe {
-            Need::Heartbeat
+            ChipAction::Heartbeat
         } else if self.rearm && compares && span(self.rearmed, now) >= period {
             // A run that comes while this is under way asks for the next.
             self.rearm = false;
-            Need::Rearm
+            ChipAction::Rearm
         } else {
             return None;
         };
@@ -124,36 +130,51 @@ impl Chip {
         Some(need)
     }
 
-    fn on_done(&mut self, at: Instant, order: Done, result: Result<(), OrderError>) {
+    fn compares(&self) -> bool {
+        self.programmed
+            .is_some_and(|(_, setting)| setting.compares())
+    }
+
+    /// An order that was carried out is not given again, whatever the chip made of it.
+    fn is_as_wanted(&self) -> bool {
+        self.programmed.is_some_and(|(ordered, setting)| {
+            ordered == self.wanted || self.wanted.is_served_by(setting)
+        })
+    }
+
+    fn on_done(
+        &mut self,
+        at: Instant,
+        action: ChipAction,
+        result: Result<ChipSetting, OrderError>,
+    ) {
         // A chip that lost its registers, in a reset, is programmed anew at once; patience is for
         // one that goes on failing.
         let worked = self.programmed.is_some();
         self.quiet_since = (result.is_err() && !worked).then_some(at);
-        if result.is_ok() {
-            self.seen = at;
-        }
-        match (order, result) {
-            (Done::Programmed(mode), Ok(())) => {
-                self.programmed = Some(mode);
-                self.checked = at;
-                self.rearm = matches!(mode, Mode::Threshold(_));
-            }
-            (Done::Rearmed, Ok(())) => self.rearmed = at,
-            (Done::HeartbeatRead, Ok(())) => self.checked = at,
+        let Ok(setting) = result else {
             // Whatever failed, what the chip does now is not known: program it anew.
-            (_, Err(_)) => {
-                self.programmed = None;
-                self.failures = self.failures.saturating_add(1);
+            self.programmed = None;
+            self.failures = self.failures.saturating_add(1);
+            return;
+        };
+        self.seen = at;
+        let ordered = match action {
+            ChipAction::DataReady => Mode::DataReady,
+            ChipAction::Threshold(change) => Mode::Threshold(change),
+            ChipAction::Rearm => {
+                self.rearmed = at;
+                return;
             }
-        }
+            ChipAction::Heartbeat => {
+                self.checked = at;
+                return;
+            }
+        };
+        self.programmed = Some((ordered, setting));
+        self.checked = at;
+        self.rearm = setting.compares();
     }
-}
-
-/// The kind of order that was carried out.
-enum Done {
-    Programmed(Mode),
-    Rearmed,
-    HeartbeatRead,
 }
 
 impl Chips {
@@ -181,6 +202,14 @@ impl Chips {
             .fold(Inputs::NONE, Inputs::with)
     }
 
+    fn of_mut(&mut self, input: Input) -> Option<&mut Chip> {
+        match input {
+            Input::Gyro | Input::Accel | Input::Turned | Input::Command => None,
+            Input::ChipAccel => Some(&mut self.accel),
+            Input::ChipMag => Some(&mut self.mag),
+        }
+    }
+
     /// A new phase: what is under way is not waited for.
     pub(super) fn retry(&mut self) {
         self.accel.quiet_since = None;
@@ -189,51 +218,39 @@ impl Chips {
 }
 
 impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
-    /// The next order for the LSM303AGR, where one is due; the board reports when it is done.
+    /// The next order for a chip, where one is due; the board reports when it is done.
     pub fn next_order(&mut self) -> Option<ChipOrder> {
         let (now, failsafe) = (self.record.clock(), self.reactive.failsafe());
-        if let Some(need) = self.chips.accel.need(now, CHIP_ACCEL.period, failsafe) {
-            return Some(match need {
-                Need::Program(Mode::DataReady) => ChipOrder::AccelDataReady,
-                Need::Program(Mode::Threshold(code)) => ChipOrder::AccelThreshold(code as u8),
-                Need::Rearm => ChipOrder::AccelRearm,
-                Need::Heartbeat => ChipOrder::AccelHeartbeat,
-            });
-        }
-        let need = self.chips.mag.need(now, CHIP_MAG.period, failsafe)?;
-        Some(match need {
-            Need::Program(Mode::DataReady) => ChipOrder::MagDataReady,
-            Need::Program(Mode::Threshold(code)) => ChipOrder::MagThreshold(code),
-            Need::Rearm => ChipOrder::MagRearm,
-            Need::Heartbeat => ChipOrder::MagHeartbeat,
+        let chips = [
+            (Input::ChipAccel, &mut self.chips.accel, CHIP_ACCEL.period),
+            (Input::ChipMag, &mut self.chips.mag, CHIP_MAG.period),
+        ];
+        chips.into_iter().find_map(|(input, chip, period)| {
+            let action = chip.need(now, period, failsafe)?;
+            Some(ChipOrder { input, action })
         })
     }
 
     /// The board carried an order out, or could not.
-    pub fn on_order_done(&mut self, at: Instant, order: ChipOrder, result: Result<(), OrderError>) {
+    pub fn on_order_done(
+        &mut self,
+        at: Instant,
+        order: ChipOrder,
+        result: Result<ChipSetting, OrderError>,
+    ) {
         self.record.call(at, Call::OrderDone(order, result));
-        let accel = &mut self.chips.accel;
-        let mag = &mut self.chips.mag;
-        let (chip, done) = match order {
-            ChipOrder::AccelDataReady => (accel, Done::Programmed(Mode::DataReady)),
-            ChipOrder::AccelThreshold(code) => {
-                (accel, Done::Programmed(Mode::Threshold(u16::from(code))))
-            }
-            ChipOrder::AccelRearm => (accel, Done::Rearmed),
-            ChipOrder::AccelHeartbeat => (accel, Done::HeartbeatRead),
-            ChipOrder::MagDataReady => (mag, Done::Programmed(Mode::DataReady)),
-            ChipOrder::MagThreshold(code) => (mag, Done::Programmed(Mode::Threshold(code))),
-            ChipOrder::MagRearm => (mag, Done::Rearmed),
-            ChipOrder::MagHeartbeat => (mag, Done::HeartbeatRead),
+        let ChipOrder { input, action } = order;
+        let Some(chip) = self.chips.of_mut(input) else {
+            return;
         };
-        let programs = matches!(done, Done::Programmed(_));
-        chip.on_done(at, done, result);
-        let failures = chip.failures;
-        match result {
-            Ok(()) if programs => self.record.event(Event::Programmed(order)),
-            Ok(()) => {}
-            Err(error) => {
-                if failures.is_power_of_two() {
+        chip.on_done(at, action, result);
+        match (action, result) {
+            (ChipAction::DataReady | ChipAction::Threshold(_), Ok(setting)) => {
+                self.record.event(Event::Programmed(input, setting));
+            }
+            (_, Ok(_)) => {}
+            (_, Err(error)) => {
+                if chip.failures.is_power_of_two() {
                     self.record.event(Event::OrderFailed(order, error));
                 }
                 self.record.fault(Fault::ChipBus);
@@ -261,35 +278,17 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         }
     }
 
-    /// Rounds the thresholds of the models down to what the chips can hold.
+    /// The thresholds of the models, for the chips to compare with.
     pub(super) fn want_thresholds(&mut self) {
-        self.chips.accel.wanted = self.wanted(Input::ChipAccel, |x| self.accel_code(x));
-        self.chips.mag.wanted = self.wanted(Input::ChipMag, mag_code);
+        self.chips.accel.wanted = self.wanted(Input::ChipAccel);
+        self.chips.mag.wanted = self.wanted(Input::ChipMag);
     }
 
     /// A chip that delivers nothing is not programmed to compare.
-    fn wanted(&self, input: Input, code: impl Fn(f32) -> Option<u16>) -> Mode {
+    fn wanted(&self, input: Input) -> Mode {
         self.reactive
             .threshold_for_chip(input)
             .filter(|_| self.chips.delivers(input))
-            .and_then(code)
             .map_or(Mode::DataReady, Mode::Threshold)
     }
-
-    /// The accelerometer's code; `None` where the change is finer than one code.
-    ///
-    /// Its high-pass forgets: where the failsafe lets it forget more than a fifth of its time
-    /// constant, the code is lowered by the worst decay.
-    fn accel_code(&self, x: f32) -> Option<u16> {
-        let age = seconds(self.reactive.failsafe()) / HIGH_PASS_TIME;
-        let kept = if age > 0.2 { libm::expf(-age) } else { 1.0 };
-        let code = libm::floorf(x * kept / ACCEL_CODE).min(LARGEST_ACCEL_CODE);
-        (code >= 1.0).then_some(code as u16)
-    }
-}
-
-/// The magnetometer's code, 1.5 mG each; `None` where the change is finer than one.
-fn mag_code(x: f32) -> Option<u16> {
-    let code = libm::floorf(x / MAG_SCALE).min(32_767.0);
-    (code >= 1.0).then_some(code as u16)
 }

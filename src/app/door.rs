@@ -1,35 +1,36 @@
 //! The small types of the door: faults, and orders to the chips.
 
 use crate::numbered::numbered;
+use crate::sensors::Input;
 
 numbered! {
     /// What can go wrong outside the portable code.
     Fault {
-        /// The MPU6050's bus reported an error, or hung and was recovered.
+        /// The inertial sensor's bus reported an error, or hung and was recovered.
         ImuBus,
         /// A sample was due before the one before had been received: a slow or hung bus.
         ImuOverrun,
-        /// A burst repeated an old sample.
+        /// A sample was read twice.
         ImuStale,
         /// A sample's stamp went back, or came over 20 ms behind the one before.
         ImuJump,
-        /// The MPU6050's configuration is not what was written.
+        /// The inertial sensor's configuration is not what was written.
         ImuConfiguration,
-        /// No MPU6050 sample for two failsafe periods.
+        /// No sample of the inertial sensor for two failsafe periods.
         ImuSilent,
-        /// The MPU6050 repeated one sample, bit by bit, for two failsafe periods.
+        /// The inertial sensor repeated one sample, bit by bit, for two failsafe periods.
         ImuStuck,
         /// A run began a hyperperiod or more after it was due.
         LateRun,
-        /// An order to the LSM303AGR failed, on the bus or at the read-back.
+        /// An order to a chip failed, on the bus or at the read-back.
         ChipBus,
-        /// The LSM303AGR's accelerometer did not answer for two failsafe periods.
+        /// The accelerometer that compares did not answer for two failsafe periods.
         AccelSilent,
-        /// The LSM303AGR's magnetometer did not answer for two failsafe periods.
+        /// The magnetometer that compares did not answer for two failsafe periods.
         MagSilent,
-        /// The LSM303AGR's accelerometer repeats one sample, bit by bit.
+        /// The accelerometer that compares repeats one sample, bit by bit.
         AccelStuck,
-        /// The LSM303AGR's magnetometer repeats one sample, bit by bit.
+        /// The magnetometer that compares repeats one sample, bit by bit.
         MagStuck,
         /// A setpoint, a goal, a pose or a model with a value that is not finite: not used.
         NotFinite,
@@ -44,26 +45,65 @@ numbered! {
     }
 }
 
-/// What the LSM303AGR shall do next.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// An order to a chip that interrupts by itself: what it shall do next.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
-pub enum ChipOrder {
-    /// Interrupt at every accelerometer sample.
-    AccelDataReady,
-    /// Interrupt past this threshold code, 1 to 127; read back and check.
-    AccelThreshold(u8),
-    /// Make the present accelerometer sample the reference, and deliver it.
-    AccelRearm,
-    /// Interrupt at every magnetometer sample.
-    MagDataReady,
-    /// Interrupt past this threshold code; read back and check.
-    MagThreshold(u16),
-    /// Make the present magnetometer sample the reference, and deliver it.
-    MagRearm,
-    /// Deliver an accelerometer sample and check the programmed threshold.
-    AccelHeartbeat,
-    /// Deliver a magnetometer sample and check the programmed threshold.
-    MagHeartbeat,
+pub struct ChipOrder {
+    /// The input that the chip delivers.
+    pub input: Input,
+    /// What it shall do.
+    pub action: ChipAction,
+}
+
+/// What a chip can be ordered to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum ChipAction {
+    /// Interrupt at every sample.
+    DataReady,
+    /// Interrupt past this change since the reference, in the input's SI unit; read back and
+    /// check. The chip's driver rounds it down; it has a chip that cannot hold so fine a
+    /// threshold interrupt at every sample.
+    Threshold(f32),
+    /// Make the present sample the reference, and deliver it.
+    Rearm,
+    /// Deliver a sample and check what is programmed.
+    Heartbeat,
+}
+
+/// What a chip interrupts for: its answer to an order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum ChipSetting {
+    /// Every sample, which also serves every threshold below `finest`.
+    EverySample {
+        /// The finest threshold that the chip holds, in the input's SI unit.
+        finest: f32,
+    },
+    /// A change past `level`, which serves every threshold from `level` to below `next`.
+    PastThreshold {
+        /// The threshold that was programmed, in the input's SI unit.
+        level: f32,
+        /// The next one that the chip holds; infinite behind its largest.
+        next: f32,
+    },
+}
+
+impl ChipSetting {
+    /// True where the chip compares.
+    #[must_use]
+    pub fn compares(self) -> bool {
+        matches!(self, Self::PastThreshold { .. })
+    }
+
+    /// True where this setting is also the one for another threshold.
+    #[must_use]
+    pub fn serves(self, threshold: f32) -> bool {
+        match self {
+            Self::EverySample { finest } => threshold < finest,
+            Self::PastThreshold { level, next } => (level..next).contains(&threshold),
+        }
+    }
 }
 
 /// Why an order failed.

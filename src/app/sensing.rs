@@ -5,7 +5,7 @@ mod liveness;
 
 use crate::estimate::{Arrival, GyroCalibration, Motion};
 use crate::math::{Quaternion, Vec3};
-use crate::sensors::{IMU_BURST_LENGTH, ImuSample};
+use crate::sensors::{ImuReading, ImuSample};
 use crate::settings::Settings;
 use crate::time::{Duration, Instant};
 use crate::units::{BodyRates, SpecificForce};
@@ -25,7 +25,7 @@ pub(super) struct Sensing {
     patience: Duration,
 }
 
-/// What became of a sample of the MPU6050.
+/// What became of a sample of the inertial sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Taken {
     /// The drone has not stood still for long enough yet.
@@ -63,25 +63,24 @@ impl Sensing {
     /// corner (Hz) of the filter behind the angular acceleration.
     pub(super) fn take(
         &mut self,
-        sample: &ImuSample,
-        burst: &[u8; IMU_BURST_LENGTH],
+        at: Instant,
+        reading: &ImuReading,
         in_flight: bool,
         derivative_cutoff: f32,
     ) -> Taken {
-        self.silence.end(sample.at);
+        self.silence.end(at);
+        let &ImuReading { rates, force, .. } = reading;
         let Some(bias) = self.bias else {
-            return self.calibrate(sample);
+            return self.calibrate(&ImuSample { at, rates, force });
         };
-        let sign = self.liveness.take(sample.at, burst, self.patience);
+        let sign = self.liveness.take(at, reading, self.patience);
         if in_flight && sign != Sign::Alive {
             return Taken::Stuck {
                 now: sign == Sign::Stuck,
             };
         }
-        let sample = ImuSample {
-            rates: BodyRates(sample.rates.0 - bias.0),
-            ..*sample
-        };
+        let rates = BodyRates(rates.0 - bias.0);
+        let sample = ImuSample { at, rates, force };
         let jumped = !self.arrival.take(&sample, derivative_cutoff);
         Taken::Filtered { jumped }
     }
@@ -100,7 +99,7 @@ impl Sensing {
         self.calibration = GyroCalibration::default();
     }
 
-    /// True once per silence of the MPU6050.
+    /// True once per silence of the inertial sensor.
     pub(super) fn notice_silence(&mut self, now: Instant) -> bool {
         self.silence.notice(now, self.patience)
     }

@@ -4,7 +4,7 @@
 //! and counts it, so that logging never holds control up. Every run carries its number, so a
 //! reader of the log sees gaps.
 
-use super::door::{ChipOrder, Fault, OrderError};
+use super::door::{ChipOrder, ChipSetting, Fault, OrderError};
 use crate::math::Quaternion;
 use crate::reactive::{Fit, Phase, Reason};
 use crate::safety::{Arming, Refusal};
@@ -41,9 +41,9 @@ pub enum Event {
     },
     /// First crossings taught these inputs too little: they learn from pairs at several lags.
     Lags(Inputs),
-    /// The LSM303AGR obeyed an order that changes its interrupts.
-    Programmed(ChipOrder),
-    /// The LSM303AGR did not.
+    /// The chip of an input obeyed an order that changes its interrupts.
+    Programmed(Input, ChipSetting),
+    /// A chip did not obey an order.
     OrderFailed(ChipOrder, OrderError),
     /// The arming state changed.
     Arming(Arming),

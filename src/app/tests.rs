@@ -5,13 +5,14 @@ use crate::config::{HYPERPERIOD, MOTORS, SETTINGS};
 use crate::control::Setpoint;
 use crate::graph::Cascade;
 use crate::link::{Answer, Message};
+use crate::math::Vec3;
 use crate::reactive::{Fit, Phase};
-use crate::sensors::{Cause, Input, Inputs};
+use crate::sensors::{Cause, GRAVITY, ImuReading, Input, Inputs};
 use crate::settings::{Policy, WarmUp};
 use crate::time::{at_micros, micros, span};
-use crate::units::Thrust;
+use crate::units::{BodyRates, SpecificForce, Thrust};
 
-use bench::{Bench, burst};
+use bench::{Bench, force, obeyed, turning};
 
 mod bench;
 mod gaps;
@@ -120,7 +121,7 @@ fn a_chip_interrupt_without_gating_samples_runs_at_one_and_a_half_periods() {
     let now = at_micros(bench.now + 300);
     let next = bench
         .autopilot
-        .on_chip_accel(now, [0, 0, -8192], Cause::Threshold);
+        .on_chip_accel(now, force([0, 0, -8192]), Cause::Threshold);
     let Next::HyperperiodAt(at) = next else {
         panic!("{next:?}");
     };
@@ -141,17 +142,21 @@ fn in_reactive_control_the_chip_is_told_its_threshold() {
         if step % 10 == 0 {
             let gust = gusty(bench.now).unwrap_or(0);
             let now = at_micros(bench.now);
-            let counts = [gust * 16, 0, -8192];
-            let _ = bench.autopilot.on_chip_accel(now, counts, Cause::DataReady);
+            let sample = force([gust * 16, 0, -8192]);
+            let _ = bench.autopilot.on_chip_accel(now, sample, Cause::DataReady);
         }
         while let Some(order) = bench.autopilot.next_order() {
             bench
                 .autopilot
-                .on_order_done(at_micros(bench.now), order, Ok(()));
+                .on_order_done(at_micros(bench.now), order, Ok(obeyed(order)));
         }
     }
     let told = bench.autopilot.recorder().iter().any(|stamped| {
-        matches!(stamped.call, Call::OrderDone(ChipOrder::AccelThreshold(code), _) if code > 0)
+        matches!(
+            stamped.call,
+            Call::OrderDone(order, Ok(ChipSetting::PastThreshold { level, .. }))
+                if order.input == Input::ChipAccel && level > 0.0
+        )
     });
     assert!(told, "{:?}", bench.autopilot.fit(Input::ChipAccel));
 }
@@ -164,8 +169,12 @@ fn a_chip_that_fails_is_asked_again_now_and_then_and_does_not_hold_up_the_other(
         bench.milliseconds(1, gusty);
         let now = at_micros(bench.now);
         while let Some(order) = bench.autopilot.next_order() {
-            let accel = matches!(order, ChipOrder::AccelDataReady | ChipOrder::AccelHeartbeat);
-            let result = if accel { Err(OrderError::Bus) } else { Ok(()) };
+            let accel = order.input == Input::ChipAccel;
+            let result = if accel {
+                Err(OrderError::Bus)
+            } else {
+                Ok(obeyed(order))
+            };
             (failed, done) = if accel {
                 (failed + 1, done)
             } else {
@@ -185,8 +194,8 @@ fn a_lost_gyroscope_is_noticed_though_the_other_chip_keeps_asking_for_runs() {
     for step in 0..40u64 {
         bench.now += 10_000;
         let now = at_micros(bench.now);
-        let counts = [(step as i16 % 2) * 8000, 0, -8000];
-        let _ = bench.autopilot.on_chip_accel(now, counts, Cause::Threshold);
+        let sample = force([(step as i16 % 2) * 8000, 0, -8000]);
+        let _ = bench.autopilot.on_chip_accel(now, sample, Cause::Threshold);
         bench.autopilot.on_hyperperiod(now);
     }
     assert!(
@@ -242,9 +251,10 @@ fn a_disarm_stops_the_motors_without_waiting_for_a_sample() {
 #[test]
 fn a_drone_on_its_side_is_not_armed() {
     let mut bench = Bench::new(SETTINGS);
-    let mut on_its_side = burst(0);
-    (on_its_side[3], on_its_side[4]) = (on_its_side[5], on_its_side[6]);
-    (on_its_side[5], on_its_side[6]) = (0, 0);
+    let on_its_side = ImuReading {
+        force: SpecificForce(Vec3::new(0.0, -GRAVITY, 0.0)),
+        ..turning(0)
+    };
     for _ in 0..1000 {
         bench.now += 1000;
         let now = at_micros(bench.now);
@@ -320,4 +330,50 @@ fn every_recorded_call_survives_its_bytes() {
             assert_eq!(Stamped::decode(&bytes[..end]), Err(DecodeError::Incomplete));
         }
     }
+}
+
+#[test]
+fn every_order_and_every_answer_survives_its_bytes() {
+    let actions = [
+        ChipAction::DataReady,
+        ChipAction::Threshold(0.37),
+        ChipAction::Rearm,
+        ChipAction::Heartbeat,
+    ];
+    let answers = [
+        Ok(ChipSetting::EverySample { finest: 0.16 }),
+        Ok(ChipSetting::PastThreshold {
+            level: 0.32,
+            next: f32::INFINITY,
+        }),
+        Err(OrderError::Bus),
+        Err(OrderError::Identity),
+        Err(OrderError::ReadBack {
+            register: 0x32,
+            wrote: 9,
+            read: 0,
+        }),
+    ];
+    for (input, action) in Input::ALL.into_iter().zip(actions.into_iter().cycle()) {
+        for answer in answers {
+            let call = Call::OrderDone(ChipOrder { input, action }, answer);
+            let at = at_micros(7);
+            let stamped = Stamped { at, call };
+            let mut buffer = [0; LONGEST_RECORD];
+            let bytes = stamped.encode(&mut buffer);
+            assert_eq!(Stamped::decode(bytes), Ok((stamped, bytes.len())));
+        }
+    }
+}
+
+#[test]
+fn a_setting_serves_the_thresholds_that_are_rounded_down_to_it() {
+    let every = ChipSetting::EverySample { finest: 0.2 };
+    let past = ChipSetting::PastThreshold {
+        level: 0.2,
+        next: 0.4,
+    };
+    assert!(every.serves(0.0) && every.serves(0.19) && !every.serves(0.2));
+    assert!(past.serves(0.2) && past.serves(0.39) && !past.serves(0.4) && !past.serves(0.19));
+    assert!(!every.serves(f32::NAN) && !past.serves(f32::NAN));
 }

@@ -3,20 +3,13 @@
 //! Its samples come by [`super::i2c::Engine`].
 
 use reflex::app::Fault;
-use reflex::config::IMU_RATE;
+use reflex::tasks::mpu6050::CONFIG;
 use reflex::time::{Duration, Instant, micros, span};
 use reflex_drivers::legacy_hal::Lent;
-use reflex_drivers::mpu6050::{ADDRESS, Check, ImuConfig, LONGEST_CHECK, Mpu6050};
+use reflex_drivers::mpu6050::{ADDRESS, Check, LONGEST_CHECK, Mpu6050};
 
 use crate::board::clock::Delay;
 use crate::board::i2c::{Bus, Engine};
-
-/// What the chip is to hold.
-const CONFIG: ImuConfig = ImuConfig {
-    // The chip divides 1 kHz; the rates that `config/` allows are its whole fractions.
-    rate_divider: (1000 / IMU_RATE - 1) as u8,
-    ..ImuConfig::FLIGHT
-};
 
 /// Without a burst for this long the chip counts as silent.
 const SILENCE: Duration = micros(20_000);

@@ -71,6 +71,9 @@ impl MagThreshold {
     /// The largest code.
     pub const MAX: Self = Self(u16::MAX);
 
+    /// The largest code that an output of 16 bits with sign can exceed.
+    pub const LARGEST_USEFUL: Self = Self(i16::MAX as u16);
+
     /// The highest threshold not above `value`, at most [`Self::MAX`].
     ///
     /// # Errors

@@ -6,20 +6,26 @@
 //!
 //! The owner says what each half shall do with an [`Action`], and fetches a [`Sample`] whenever
 //! its pin rose. What an interrupt leads to is the owner's affair: nothing here knows of control.
+//! Samples and thresholds cross this boundary in SI units.
 //!
-//! `upkeep` sets the halves up, checks them, and sets up again what was lost.
+//! `upkeep` sets the halves up, checks them, and sets up again what was lost; `comparator` rounds
+//! thresholds.
 
+mod comparator;
 mod upkeep;
 
 use embedded_hal::spi::SpiDevice;
 
-use super::register::INT1_THS_A;
 use super::{
-    AccelPin, AccelThreshold, Accelerometer, MagOffset, MagPin, MagThreshold, Magnetometer,
+    AccelCounts, AccelPin, AccelThreshold, Accelerometer, MagCounts, MagOffset, MagPin,
+    MagThreshold, Magnetometer,
 };
 use crate::error::Error;
+use crate::quantity::{Gauss, MetersPerSecondSquared, Seconds};
+use comparator::Comparator;
+pub use comparator::Interrupts;
 pub use upkeep::Rates;
-use upkeep::{accel_interrupt, mag_interrupt};
+use upkeep::{FULL_SCALE, accel_interrupt, mag_interrupt};
 
 /// The chip's two halves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,12 +37,14 @@ pub enum Half {
 }
 
 /// What a half shall do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
     /// Interrupt at every sample.
     DataReady,
-    /// Interrupt past this threshold code; read back and check.
-    Threshold(u16),
+    /// Interrupt past a change of this much since the reference, in m/s2 or in gauss; read back
+    /// and check. It is rounded down; one finer than a code makes the half interrupt at every
+    /// sample.
+    Threshold(f32),
     /// Make the present sample the reference, and deliver it.
     Rearm,
     /// Deliver a sample and check what is programmed.
@@ -75,15 +83,43 @@ pub enum OrderError {
     Identity,
 }
 
-/// Raw counts of one half, the magnetometer's with its offset restored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What one half measured along the chip's axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reading {
+    /// Specific force.
+    Accel([MetersPerSecondSquared; 3]),
+    /// Magnetic field, the OFFSET registers added back.
+    Mag([Gauss; 3]),
+}
+
+/// A reading of one half.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// The half that was read.
-    pub half: Half,
-    /// Counts along the chip's axes.
-    pub counts: [i16; 3],
+    /// What it measured.
+    pub reading: Reading,
     /// Why it was read.
     pub cause: Cause,
+}
+
+impl Sample {
+    fn accel(counts: AccelCounts, cause: Cause) -> Self {
+        let reading = Reading::Accel(counts.specific_force(FULL_SCALE));
+        Self { reading, cause }
+    }
+
+    fn mag(counts: MagCounts, cause: Cause) -> Self {
+        let reading = Reading::Mag(counts.field());
+        Self { reading, cause }
+    }
+}
+
+/// What a half did for an order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Done {
+    /// The sample that belongs to the order.
+    pub sample: Option<Sample>,
+    /// What the half interrupts for from now on.
+    pub interrupts: Interrupts,
 }
 
 /// What drives a half's interrupt pin.
@@ -93,11 +129,19 @@ enum Routing<T> {
     Threshold(T),
 }
 
-impl<T> Routing<T> {
+impl<T: Copy> Routing<T> {
     fn cause(&self) -> Cause {
         match self {
             Self::DataReady => Cause::DataReady,
             Self::Threshold(_) => Cause::Threshold,
+        }
+    }
+
+    /// The comparator's code; 0 where it is not used.
+    fn code<C: Default>(&self, of: impl Fn(T) -> C) -> C {
+        match self {
+            Self::DataReady => C::default(),
+            Self::Threshold(threshold) => of(*threshold),
         }
     }
 }
@@ -131,6 +175,7 @@ pub struct Halves<A, M> {
     accel: A,
     mag: M,
     rates: Rates,
+    longest_hold: Seconds,
     accel_state: State<AccelThreshold>,
     mag_state: State<MagThreshold>,
     /// What the OFFSET registers hold.
@@ -142,11 +187,14 @@ pub struct Halves<A, M> {
 impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
     /// Takes the bus handles; nothing is sent until [`Self::set_up_accel`] and
     /// [`Self::set_up_mag`].
-    pub const fn new(accel: A, mag: M, rates: Rates) -> Self {
+    ///
+    /// `longest_hold` is the longest time between two orders to re-arm: see [`Interrupts`].
+    pub const fn new(accel: A, mag: M, rates: Rates, longest_hold: Seconds) -> Self {
         Self {
             accel,
             mag,
             rates,
+            longest_hold,
             accel_state: State::UNKNOWN,
             mag_state: State::UNKNOWN,
             offset: MagOffset([0; 3]),
@@ -173,15 +221,11 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
 
     fn fetch_accel(&mut self) -> Result<Sample, OrderError> {
         let mut chip = Accelerometer::new(&mut self.accel);
-        let counts = chip.read_sample().map_err(failure)?.0;
+        let counts = chip.read_sample().map_err(failure)?;
         if let Routing::Threshold(_) = self.accel_state.routing {
             chip.read_source().map_err(failure)?;
         }
-        Ok(Sample {
-            half: Half::Accel,
-            counts,
-            cause: self.accel_state.routing.cause(),
-        })
+        Ok(Sample::accel(counts, self.accel_state.routing.cause()))
     }
 
     fn fetch_mag(&mut self) -> Result<Sample, OrderError> {
@@ -191,31 +235,26 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
                 .read_source()
                 .map_err(failure)?;
         }
-        Ok(Sample {
-            half: Half::Mag,
-            counts,
-            cause: self.mag_state.routing.cause(),
-        })
+        Ok(Sample::mag(counts, self.mag_state.routing.cause()))
     }
 
     /// Reads the magnetometer and adds back the offset that its sample was taken under.
-    fn read_mag(&mut self) -> Result<[i16; 3], OrderError> {
+    fn read_mag(&mut self) -> Result<MagCounts, OrderError> {
         let mut chip = Magnetometer::new(&mut self.mag);
         if self.output_offset != self.offset && chip.status().map_err(failure)?.new_sample() {
             self.output_offset = self.offset;
         }
         let sample = chip.read_sample().map_err(failure)?;
-        Ok(sample.with_offset_restored(self.output_offset).0)
+        Ok(sample.with_offset_restored(self.output_offset))
     }
 
-    /// Carries out an order and checks it; returns the sample that belongs to it.
+    /// Carries out an order and checks it.
     ///
     /// A half whose last order failed is set up again first.
     ///
     /// # Errors
-    /// The bus's, a register that does not hold what was written, a chip that is not there, a
-    /// code that no register takes.
-    pub fn execute(&mut self, half: Half, action: Action) -> Result<Option<Sample>, OrderError> {
+    /// The bus's, a register that does not hold what was written, a chip that is not there.
+    pub fn execute(&mut self, half: Half, action: Action) -> Result<Done, OrderError> {
         let result = self
             .revive_lost(half)
             .and_then(|()| self.obey(half, action));
@@ -223,23 +262,40 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
             Half::Accel => self.accel_state.answers = result.is_ok(),
             Half::Mag => self.mag_state.answers = result.is_ok(),
         }
-        result
+        let sample = result?;
+        let interrupts = self.interrupts(half);
+        Ok(Done { sample, interrupts })
+    }
+
+    fn interrupts(&self, half: Half) -> Interrupts {
+        match half {
+            Half::Accel => {
+                let code = self.accel_state.routing.code(AccelThreshold::code);
+                self.accel_comparator().interrupts(u16::from(code))
+            }
+            Half::Mag => {
+                let code = self.mag_state.routing.code(MagThreshold::code);
+                Comparator::MAG.interrupts(code)
+            }
+        }
+    }
+
+    fn accel_comparator(&self) -> Comparator {
+        Comparator::accel(self.rates.accel(), self.longest_hold)
     }
 
     fn obey(&mut self, half: Half, action: Action) -> Result<Option<Sample>, OrderError> {
         match (half, action) {
             (Half::Accel, Action::DataReady) => self.route_accel(Routing::DataReady)?,
-            (Half::Accel, Action::Threshold(code)) => {
-                let low = code as u8;
-                let known = u16::from(low) == code;
-                let threshold = AccelThreshold::from_code(if known { low } else { 0 })
-                    .map_err(|_| refused(low))?;
-                self.route_accel(Routing::Threshold(threshold))?;
+            (Half::Accel, Action::Threshold(change)) => {
+                let code = self.accel_comparator().code(change);
+                let threshold = AccelThreshold::from_code(code as u8);
+                self.route_accel(threshold.map_or(Routing::DataReady, Routing::Threshold))?;
             }
             (Half::Mag, Action::DataReady) => self.route_mag(Routing::DataReady)?,
-            (Half::Mag, Action::Threshold(code)) => {
-                let threshold = MagThreshold::from_code(code).map_err(|_| refused(0))?;
-                self.route_mag(Routing::Threshold(threshold))?;
+            (Half::Mag, Action::Threshold(change)) => {
+                let threshold = MagThreshold::from_code(Comparator::MAG.code(change));
+                self.route_mag(threshold.map_or(Routing::DataReady, Routing::Threshold))?;
             }
             (Half::Accel, Action::Rearm) => return self.rearm_accel().map(Some),
             (Half::Mag, Action::Rearm) => return self.rearm_mag().map(Some),
@@ -252,27 +308,19 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
     fn rearm_accel(&mut self) -> Result<Sample, OrderError> {
         let mut chip = Accelerometer::new(&mut self.accel);
         chip.rearm().map_err(failure)?;
-        let counts = chip.read_sample().map_err(failure)?.0;
-        Ok(Sample {
-            half: Half::Accel,
-            counts,
-            cause: Cause::Rearm,
-        })
+        let counts = chip.read_sample().map_err(failure)?;
+        Ok(Sample::accel(counts, Cause::Rearm))
     }
 
     /// The sample read becomes the zero; one that comes later is under the new offset.
     fn rearm_mag(&mut self) -> Result<Sample, OrderError> {
         let counts = self.read_mag()?;
-        let offset = MagOffset(counts);
+        let offset = MagOffset::at(counts);
         Magnetometer::new(&mut self.mag)
             .set_offset(offset)
             .map_err(failure)?;
         self.offset = offset;
-        Ok(Sample {
-            half: Half::Mag,
-            counts,
-            cause: Cause::Rearm,
-        })
+        Ok(Sample::mag(counts, Cause::Rearm))
     }
 
     fn route_accel(&mut self, routing: Routing<AccelThreshold>) -> Result<(), OrderError> {
@@ -329,14 +377,5 @@ fn failure<E>(error: Error<E>) -> OrderError {
             wrote,
             read,
         },
-    }
-}
-
-/// A code that no register takes: the caller's rounding is at fault, nothing was written.
-fn refused(code: u8) -> OrderError {
-    OrderError::ReadBack {
-        register: INT1_THS_A,
-        wrote: code,
-        read: 0,
     }
 }

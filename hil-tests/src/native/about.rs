@@ -7,7 +7,7 @@ use reflex::time::at_micros;
 use super::board::NativeBoard;
 use super::timing::nanos;
 use crate::replay::about::{
-    Known, SampleCount, Seen, accel_threshold, mag_threshold, scored_from_us,
+    Known, SampleCount, Seen, scored_from_us,
 };
 use crate::replay::alignment::pulse_ns;
 use crate::replay::story::Story;
@@ -46,8 +46,8 @@ pub(super) fn tell(
             edges: edges.each_ref().map(Vec::as_slice),
             samples,
             chip_thresholds: [
-                board.accel.with(|wired| accel_threshold(&wired.chip)),
-                board.mag.with(|wired| mag_threshold(&wired.chip)),
+                board.accel.with(|wired| wired.chip.pin_threshold()),
+                board.mag.with(|wired| wired.chip.pin_threshold()),
             ],
         },
     };

@@ -13,14 +13,13 @@ use std::sync::Arc;
 
 use embedded_hal::i2c::I2c;
 use reflex::app::{Autopilot, Call, Recorder, Stamped};
-use reflex::config::{CHIP_ACCEL_RATE, CHIP_MAG_RATE, IMU_RATE};
 use reflex::link::Parser;
 use reflex::reactive::Refit;
-use reflex::sensors::IMU_BURST_LENGTH;
 use reflex::settings::Settings;
+use reflex::tasks::lsm303agr::Lsm303agr;
+use reflex::tasks::mpu6050::CONFIG;
 use reflex::time::Instant;
-use reflex_drivers::lsm303agr::halves::{Halves, Rates};
-use reflex_drivers::mpu6050::{self, ImuConfig};
+use reflex_drivers::mpu6050::{self, BURST_LENGTH};
 
 use super::agenda::{Agenda, Event};
 use super::tasks::Work;
@@ -32,18 +31,6 @@ use crate::logics::{AnyLogic, LogicName};
 use chip_models::lsm303agr::{Accelerometer, Magnetometer};
 use chip_models::{ChipOptions, Mpu6050, StimulusSource};
 use recorded_flights::LinkFrame;
-
-/// The rates that the firmware programs.
-const RATES: Rates = match Rates::from_hz(CHIP_ACCEL_RATE, CHIP_MAG_RATE) {
-    Some(rates) => rates,
-    None => panic!("the LSM303AGR has no such rates"),
-};
-
-/// What the firmware has the MPU6050 hold.
-pub(super) const IMU_CONFIG: ImuConfig = ImuConfig {
-    rate_divider: (1000 / IMU_RATE - 1) as u8,
-    ..ImuConfig::FLIGHT
-};
 
 /// What the crate `mpu6050` writes first: awake, on the gyro's clock.
 const IMU_WAKE: [u8; 2] = [mpu6050::register::PWR_MGMT_1, 0x01];
@@ -64,7 +51,7 @@ pub(super) struct Burst {
     /// Stamp of its interrupt.
     pub(super) at: Instant,
     /// What was read; none where the chip did not answer.
-    pub(super) bytes: Option<[u8; IMU_BURST_LENGTH]>,
+    pub(super) bytes: Option<[u8; BURST_LENGTH]>,
 }
 
 /// The board, standing at the instant it was last run to.
@@ -85,7 +72,7 @@ pub(crate) struct NativeBoard {
     pub(super) accel: Wire<Accelerometer>,
     pub(super) mag: Wire<Magnetometer>,
     pub(super) spi_time: BusTime,
-    pub(super) halves: Halves<Spi<Accelerometer>, Spi<Magnetometer>>,
+    pub(super) chips: Lsm303agr<Spi<Accelerometer>, Spi<Magnetometer>>,
     /// Stamps of interrupts whose sample is still to be fetched.
     pub(super) accel_fetch: Option<Instant>,
     pub(super) mag_fetch: Option<Instant>,
@@ -116,7 +103,7 @@ impl NativeBoard {
         let accel = Wire::new(Accelerometer::new(Arc::clone(source), options));
         let mag = Wire::new(Magnetometer::new(Arc::clone(source), options));
         let spi_time = BusTime::default();
-        let halves = Halves::new(
+        let chips = Lsm303agr::new(
             Spi {
                 wire: accel.clone(),
                 time: spi_time.clone(),
@@ -125,7 +112,7 @@ impl NativeBoard {
                 wire: mag.clone(),
                 time: spi_time.clone(),
             },
-            RATES,
+            &settings,
         );
         let imu_bus = I2cBus {
             wire: imu.clone(),
@@ -144,7 +131,7 @@ impl NativeBoard {
             accel,
             mag,
             spi_time,
-            halves,
+            chips,
             accel_fetch: None,
             mag_fetch: None,
             work: None,
@@ -162,12 +149,12 @@ impl NativeBoard {
     /// Whatever does not answer is set up again later, as on the board.
     fn start_up(&mut self) {
         self.spi_time.set_ns(CHIPS_START_NS);
-        let _ = self.halves.set_up_accel();
-        let _ = self.halves.set_up_mag();
+        let _ = self.chips.set_up_accel();
+        let _ = self.chips.set_up_mag();
         self.imu_bus.time.set_ns(IMU_WAKE_NS);
         let _ = self.imu_bus.write(mpu6050::ADDRESS, &IMU_WAKE);
         self.imu_bus.time.set_ns(IMU_START_NS);
-        let _ = mpu6050::Mpu6050::new(&mut self.imu_bus, mpu6050::ADDRESS).configure(&IMU_CONFIG);
+        let _ = mpu6050::Mpu6050::new(&mut self.imu_bus, mpu6050::ADDRESS).configure(&CONFIG);
         self.agenda.set(Event::Timer, BOOT_NS);
         self.watch_imu();
         self.watch_chips();

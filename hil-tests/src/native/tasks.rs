@@ -7,26 +7,26 @@
 use embedded_hal::i2c::I2c;
 use reflex::app::{ChipOrder, Fault, Next, OrderError};
 use reflex::link::Incoming;
-use reflex::sensors::IMU_BURST_LENGTH;
+use reflex::sensors::Input;
+use reflex::tasks::chips::{Chips, Obeyed, Sample};
+use reflex::tasks::mpu6050::{CONFIG, reading};
 use reflex::time::{Instant, span};
-use reflex_drivers::lsm303agr::halves::{self, Half};
-use reflex_drivers::mpu6050::{ADDRESS, BURST_START, CHECKS, LONGEST_CHECK, Mpu6050};
+use reflex_drivers::mpu6050::{ADDRESS, BURST_LENGTH, BURST_START, CHECKS, LONGEST_CHECK, Mpu6050};
 
 use super::agenda::Event;
-use super::board::{Burst, IMU_CONFIG, NativeBoard};
+use super::board::{Burst, NativeBoard};
 use super::timing::{
     ARRIVAL_NS, BOOT_NS, BURST_START_NS, CHARACTER_NS, CHIPS_STEP_NS, REFIT_NS, RUN_NS, SILENCE,
     SLEEP, clock, nanos,
 };
-use super::words::{deliver, failure, words_of};
 
 /// What the LSM303AGR's owner did on the bus, to be told when the bus is done.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Work {
     /// The sample of an interrupt with this stamp.
-    Fetch(Instant, Result<halves::Sample, OrderError>),
+    Fetch(Instant, Result<Sample, OrderError>),
     /// An order, and the sample that belongs to it.
-    Order(ChipOrder, Result<Option<halves::Sample>, OrderError>),
+    Order(ChipOrder, Result<Obeyed, OrderError>),
 }
 
 impl NativeBoard {
@@ -46,7 +46,7 @@ impl NativeBoard {
             self.pilot.on_fault(at, Fault::ImuOverrun);
         }
         self.imu_bus.time.set_ns(at_ns + BURST_START_NS);
-        let mut bytes = [0; IMU_BURST_LENGTH];
+        let mut bytes = [0; BURST_LENGTH];
         let read = self
             .imu_bus
             .write_read(ADDRESS, &[BURST_START], &mut bytes)
@@ -65,10 +65,13 @@ impl NativeBoard {
         };
         self.last_burst_ns = self.now_ns;
         match bytes {
-            Some(bytes) => {
-                let next = self.pilot.on_imu(at, &bytes);
-                self.raise(next, ARRIVAL_NS);
-            }
+            Some(bytes) => match reading(&bytes) {
+                Some(reading) => {
+                    let next = self.pilot.on_imu(at, &reading);
+                    self.raise(next, ARRIVAL_NS);
+                }
+                None => self.pilot.on_fault(at, Fault::ImuStale),
+            },
             None => self.pilot.on_fault(clock(self.now_ns), Fault::ImuBus),
         }
         self.check_imu();
@@ -89,7 +92,7 @@ impl NativeBoard {
         let at = clock(self.now_ns);
         if read.is_err() {
             self.pilot.on_fault(at, Fault::ImuBus);
-        } else if check.difference(&IMU_CONFIG, held).is_some() {
+        } else if check.difference(&CONFIG, held).is_some() {
             self.pilot.on_fault(at, Fault::ImuConfiguration);
             self.repair_imu();
         }
@@ -104,9 +107,7 @@ impl NativeBoard {
         self.burst = None;
         self.imu_bus.time.set_ns(self.now_ns);
         let mut chip = Mpu6050::new(&mut self.imu_bus, ADDRESS);
-        let configured = chip
-            .check_identity()
-            .and_then(|()| chip.configure(&IMU_CONFIG));
+        let configured = chip.check_identity().and_then(|()| chip.configure(&CONFIG));
         let done_ns = self.imu_bus.time.now_ns();
         if configured.is_err() {
             self.pilot.on_fault(clock(done_ns), Fault::ImuBus);
@@ -187,16 +188,13 @@ impl NativeBoard {
 
     fn next_work(&mut self) -> Option<Work> {
         self.spi_time.set_ns(self.now_ns + CHIPS_STEP_NS);
-        let accel = self.accel_fetch.take().map(|at| (Half::Accel, at));
-        let fetch = accel.or_else(|| self.mag_fetch.take().map(|at| (Half::Mag, at)));
-        if let Some((half, at)) = fetch {
-            let sample = self.halves.fetch(half).map_err(failure);
-            return Some(Work::Fetch(at, sample));
+        let accel = self.accel_fetch.take().map(|at| (Input::ChipAccel, at));
+        let fetch = accel.or_else(|| self.mag_fetch.take().map(|at| (Input::ChipMag, at)));
+        if let Some((input, at)) = fetch {
+            return Some(Work::Fetch(at, self.chips.fetch(input)));
         }
         let order = self.pilot.next_order()?;
-        let (half, action) = words_of(order);
-        let done = self.halves.execute(half, action).map_err(failure);
-        Some(Work::Order(order, done))
+        Some(Work::Order(order, self.chips.execute(order)))
     }
 
     /// Tells the autopilot what came of work on the bus; true where an order failed.
@@ -204,7 +202,7 @@ impl NativeBoard {
         let now = clock(self.now_ns);
         match work {
             Work::Fetch(at, Ok(sample)) => {
-                let next = deliver(sample, &mut self.pilot, *at);
+                let next = sample.deliver(&mut self.pilot, *at);
                 self.raise(next, 0);
                 false
             }
@@ -213,12 +211,12 @@ impl NativeBoard {
                 false
             }
             Work::Order(order, done) => {
-                if let Ok(Some(sample)) = done {
-                    let next = deliver(sample, &mut self.pilot, now);
+                if let Ok(Some(sample)) = done.map(|obeyed| obeyed.sample) {
+                    let next = sample.deliver(&mut self.pilot, now);
                     self.raise(next, 0);
                 }
-                let done = done.map(|_| ());
-                self.pilot.on_order_done(now, *order, done);
+                let answer = done.map(|obeyed| obeyed.setting);
+                self.pilot.on_order_done(now, *order, answer);
                 done.is_err()
             }
         }

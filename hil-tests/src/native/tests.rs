@@ -2,14 +2,12 @@
 
 use std::fmt::Write;
 
-use reflex::app::{Call, ChipOrder};
+use reflex::app::{Call, ChipAction, ChipOrder};
 use reflex::sensors::{Input, Inputs};
 use reflex::settings::{Policy, Settings};
 use reflex::time::micros;
-use reflex_drivers::lsm303agr::halves::{Action, Half};
 
 use super::*;
-use crate::replay::about::accel_threshold;
 use crate::scoring::Tier;
 use recorded_flights::recordings::recording;
 use recorded_flights::{Rotate, Rotation};
@@ -162,13 +160,13 @@ fn check_that_a_dip_is_noticed(board: &mut NativeBoard) {
         let stamped = calls.iter().find(|stamped| of(&stamped.call))?;
         Some((stamped.at.ticks() - dip_us) as f64 * 1e-3)
     };
-    let is_accel = |order: &ChipOrder| words::words_of(*order).0 == Half::Accel;
+    let is_accel = |order: &ChipOrder| order.input == Input::ChipAccel;
     let noticed =
         after_ms(&|call| matches!(call, Call::OrderDone(order, Err(_)) if is_accel(order)));
     let again = after_ms(&|call| {
-        let programs = [Action::Rearm, Action::Heartbeat];
-        matches!(call, Call::OrderDone(order, Ok(()))
-            if is_accel(order) && !programs.contains(&words::words_of(*order).1))
+        let keeps = [ChipAction::Rearm, ChipAction::Heartbeat];
+        matches!(call, Call::OrderDone(order, Ok(_))
+            if is_accel(order) && !keeps.contains(&order.action))
     });
     println!("noticed after {noticed:?} ms, programmed again after {again:?} ms");
     let two_failsafe_periods_ms = Settings::default().failsafe.ticks() as f64 * 2e-3;
@@ -198,7 +196,7 @@ fn a_supply_dip_of_an_accelerometer_that_compares_is_noticed() {
         ..Settings::default()
     };
     let mut board = in_flight(&flight, 10, settings);
-    let compares = |board: &NativeBoard| board.accel.with(|wired| accel_threshold(&wired.chip));
+    let compares = |board: &NativeBoard| board.accel.with(|wired| wired.chip.pin_threshold());
     while compares(&board).is_none() {
         assert!(
             board.now_ns < 60_000_000_000,

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use reflex::app::{Call, ChipOrder, Fault, Outcome, Ran, Reason};
+use reflex::app::{Call, ChipAction, ChipSetting, Fault, Outcome, Ran, Reason};
 use reflex::reactive::{Fit, Phase};
 use reflex::sensors::{Cause, Input};
 use reflex::settings::{Feedback, MotorProtocol, Pairs, Policy, Reference, WarmUp};
@@ -13,7 +13,6 @@ use reflex::settings::{Feedback, MotorProtocol, Pairs, Policy, Reference, WarmUp
 use super::story::Story;
 use crate::replay_options::ReplayOptions;
 use crate::scoring::{self, Gap, ModelState, Options, Sensor, SetpointSource, Tier, latencies};
-use chip_models::lsm303agr::{Accelerometer, Magnetometer};
 use emulated_board::Line;
 use recorded_flights::{Flight, Setpoints};
 
@@ -147,8 +146,9 @@ impl Known<'_, '_> {
                 Input::ChipMag => seen.chip_thresholds[1],
             },
             chip_thresholds_set: self.count_calls(|call| match call {
-                Call::OrderDone(ChipOrder::AccelThreshold(_), Ok(())) => input == Input::ChipAccel,
-                Call::OrderDone(ChipOrder::MagThreshold(_), Ok(())) => input == Input::ChipMag,
+                Call::OrderDone(order, Ok(ChipSetting::PastThreshold { .. })) => {
+                    order.input == input && matches!(order.action, ChipAction::Threshold(_))
+                }
                 _ => false,
             }),
             chip_crossings: self.count_calls(|call| match call {
@@ -285,23 +285,6 @@ fn samples_since(counts: &[SampleCount], from_ns: u64, of: impl Fn(&SampleCount)
     let share = (from_ns - before_ns) as f64 / (after.at_ns - before_ns) as f64;
     let at_start = before as f64 + share * (of(after) - before) as f64;
     (of(last) as f64 - at_start).round() as u64
-}
-
-/// The threshold in force on INT_1_XL: INT1_THS_A where CTRL_REG3_A routes the generator.
-pub(crate) fn accel_threshold(chip: &Accelerometer) -> Option<u32> {
-    const I1_AOI1: u8 = 0x40;
-    (chip.register(0x22) & I1_AOI1 != 0).then(|| u32::from(chip.register(0x32)))
-}
-
-/// The threshold in force on INT_MAG: INT_THS_REG_M where CFG_REG_C_M routes its interrupt.
-pub(crate) fn mag_threshold(chip: &Magnetometer) -> Option<u32> {
-    const INT_MAG_PIN: u8 = 0x40;
-    (chip.register(0x62) & INT_MAG_PIN != 0).then(|| {
-        u32::from(u16::from_le_bytes([
-            chip.register(0x65),
-            chip.register(0x66),
-        ]))
-    })
 }
 
 fn snake_case(name: &str) -> String {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use reflex::app::Ran;
 
-use super::about::{Known, Seen, accel_threshold, mag_threshold, scored_from_us};
+use super::about::{Known, Seen, scored_from_us};
 use super::alignment::{AlignedRun, Alignment};
 use super::bench::{TestBench, held};
 use super::latency;
@@ -43,8 +43,8 @@ impl BoardAbout<'_, '_> {
                 edges: self.observation.edges.each_ref().map(Vec::as_slice),
                 samples: &self.bench.samples,
                 chip_thresholds: [
-                    accel_threshold(&held(&self.bench.chips.accel)),
-                    mag_threshold(&held(&self.bench.chips.mag)),
+                    held(&self.bench.chips.accel).pin_threshold(),
+                    held(&self.bench.chips.mag).pin_threshold(),
                 ],
             },
         };

@@ -1,23 +1,37 @@
 //! Thresholds in SI units become codes rounded down, never 0.
 //!
 //! Checked against the weights of the datasheet, in two places: the drivers'
-//! codes, and the orders that the firmware gives when a model is swapped in.
+//! codes, and what the chips hold behind the orders that the firmware gives
+//! when a model is swapped in.
 
-use reflex::app::{Autopilot, ChipOrder, Next};
+use std::cell::RefCell;
+use std::convert::Infallible;
+use std::rc::Rc;
+
+use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
+use reflex::app::{Autopilot, ChipAction, ChipSetting, Next};
 use reflex::config::SETTINGS;
 use reflex::control::Setpoint;
 use reflex::link::Message;
+use reflex::math::Vec3;
 use reflex::reactive::{Fit, Logistic, Phase, Refit};
 use reflex::sensors::{Cause, Input};
 use reflex::settings::{Settings, WarmUp};
+use reflex::tasks::chips::Chips;
+use reflex::tasks::lsm303agr::Lsm303agr;
+use reflex::tasks::mpu6050::reading;
 use reflex::time::{at_micros, micros};
-use reflex::units::Thrust;
+use reflex::units::{MagneticField, SpecificForce, Thrust};
 use reflex_drivers::lsm303agr::{AccelFullScale, AccelThreshold, MagThreshold};
 use reflex_drivers::mpu6050::{MotionThreshold, NOMINAL_MOTION_STEP};
 use reflex_drivers::quantity::{Gauss, MetersPerSecondSquared};
 use reflex_drivers::threshold::ThresholdError;
 
+use super::ports::SpiPort;
+use chip_models::bus::SpiChip;
+use chip_models::lsm303agr::{Accelerometer, Magnetometer};
 use chip_models::stimulus::STANDARD_GRAVITY;
+use chip_models::testing::{exact, lively};
 
 /// mg per count of INT1_THS_A.
 const ACCEL_MG: [(AccelFullScale, f64); 4] = [
@@ -80,10 +94,32 @@ fn every_value_becomes_the_code_below_it_by_the_datasheet_s_weights() {
     );
 }
 
-/// The firmware's autopilot in flight, under reactive control.
+/// A chip that its driver and the test share.
+struct Port<C>(Rc<RefCell<C>>);
+
+impl<C> ErrorType for Port<C> {
+    type Error = Infallible;
+}
+
+impl<C: SpiChip> SpiDevice for Port<C> {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
+        let (mut chip, now_ns) = (self.0.borrow_mut(), 0);
+        let chip = &mut *chip;
+        SpiPort { chip, now_ns }.transaction(operations)
+    }
+}
+
+/// What an order left in a chip: its threshold code, `None` where it interrupts at every sample.
+#[derive(Debug, PartialEq)]
+struct Programmed(Option<u32>);
+
+/// The firmware's autopilot in flight, under reactive control, with its chips.
 struct Flight {
     autopilot: Autopilot<()>,
     now: u64,
+    accel: Rc<RefCell<Accelerometer>>,
+    mag: Rc<RefCell<Magnetometer>>,
+    chips: Lsm303agr<Port<Accelerometer>, Port<Magnetometer>>,
 }
 
 impl Flight {
@@ -92,9 +128,15 @@ impl Flight {
             warm_up: WarmUp::Fixed(micros(4_000_000)),
             ..SETTINGS
         };
+        let accel = Rc::new(RefCell::new(Accelerometer::new(lively(), exact())));
+        let mag = Rc::new(RefCell::new(Magnetometer::new(lively(), exact())));
+        let ports = (Port(Rc::clone(&accel)), Port(Rc::clone(&mag)));
         let mut flight = Self {
             autopilot: Autopilot::new(settings, ()),
             now: 0,
+            accel,
+            mag,
+            chips: Lsm303agr::new(ports.0, ports.1, &settings),
         };
         flight.milliseconds(600, |_| 0);
         let hover = Thrust::new(0.5).expect("in range");
@@ -116,7 +158,7 @@ impl Flight {
             if self.autopilot.deadline() <= now {
                 let _ = self.autopilot.on_timer(now);
             }
-            if self.autopilot.on_imu(now, &burst(rate(self.now))) == Next::Hyperperiod {
+            if self.turn(rate(self.now)) == Next::Hyperperiod {
                 let _ = self.autopilot.on_hyperperiod(now);
             }
             while let Some(job) = self.autopilot.refit_due(now) {
@@ -125,16 +167,28 @@ impl Flight {
         }
     }
 
-    /// A chip that falls silent, or repeats itself, is not left to compare.
-    fn deliver_samples(&mut self) {
-        let (now, counts) = (at_micros(self.now), [(self.now / 1000) as i16, 0, -8192]);
-        let cause = Cause::DataReady;
-        let _ = self.autopilot.on_chip_accel(now, counts, cause);
-        let _ = self.autopilot.on_chip_mag(now, counts, cause);
+    /// A sample of a drone at rest that turns about roll, in counts.
+    fn turn(&mut self, rate: i16) -> Next {
+        let reading = reading(&burst(rate)).expect("data ready");
+        self.autopilot.on_imu(at_micros(self.now), &reading)
     }
 
-    /// Swaps a model in; the threshold it has, and the order that programs it.
-    fn program(&mut self, input: Input, threshold: f32) -> (f64, Option<ChipOrder>) {
+    /// A chip that falls silent, or repeats itself, is not left to compare.
+    fn deliver_samples(&mut self) {
+        let now = at_micros(self.now);
+        let sample = Vec3::new(self.now as f32 * 1e-6, 0.0, -9.8);
+        let cause = Cause::DataReady;
+        let _ = self
+            .autopilot
+            .on_chip_accel(now, SpecificForce(sample), cause);
+        let _ = self
+            .autopilot
+            .on_chip_mag(now, MagneticField(sample), cause);
+    }
+
+    /// Swaps a model in; the threshold it has, and what the order that programs it left in the
+    /// chip.
+    fn program(&mut self, input: Input, threshold: f32) -> (f64, Option<Programmed>) {
         self.deliver_samples();
         let b1 = SETTINGS.p_run.ln() - (1.0 - SETTINGS.p_run).ln() - threshold;
         let fit = Fit::Model(Logistic { b1, b2: 1.0 });
@@ -143,13 +197,21 @@ impl Flight {
         // What a refit means is judged with the next run.
         self.now = self.autopilot.deadline().ticks();
         let now = at_micros(self.now);
-        let _ = self.autopilot.on_imu(now, &burst(gusty(self.now)));
+        let _ = self.turn(gusty(self.now));
         let _ = self.autopilot.on_timer(now);
         let mut programs = None;
         while let Some(order) = self.autopilot.next_order() {
-            self.autopilot.on_order_done(now, order, Ok(()));
-            if input == input_of(order) && !is_upkeep(order) {
-                programs = Some(order);
+            let obeyed = self.chips.execute(order).expect("the bus works");
+            self.autopilot.on_order_done(now, order, Ok(obeyed.setting));
+            let upkeep = matches!(order.action, ChipAction::Rearm | ChipAction::Heartbeat);
+            if order.input == input && !upkeep {
+                let held = Programmed(match input {
+                    Input::ChipAccel => self.accel.borrow().pin_threshold(),
+                    _ => self.mag.borrow().pin_threshold(),
+                });
+                let compares = matches!(obeyed.setting, ChipSetting::PastThreshold { .. });
+                assert_eq!(held.0.is_some(), compares);
+                programs = Some(held);
             }
         }
         (f64::from(self.autopilot.threshold(input)), programs)
@@ -170,31 +232,8 @@ fn burst(rate: i16) -> [u8; 15] {
     [1, 0, 0, 0, 0, down, down_low, 0, 0, high, low, 0, 0, 0, 0]
 }
 
-fn input_of(order: ChipOrder) -> Input {
-    match order {
-        ChipOrder::AccelDataReady
-        | ChipOrder::AccelThreshold(_)
-        | ChipOrder::AccelRearm
-        | ChipOrder::AccelHeartbeat => Input::ChipAccel,
-        ChipOrder::MagDataReady
-        | ChipOrder::MagThreshold(_)
-        | ChipOrder::MagRearm
-        | ChipOrder::MagHeartbeat => Input::ChipMag,
-    }
-}
-
-fn is_upkeep(order: ChipOrder) -> bool {
-    matches!(
-        order,
-        ChipOrder::AccelRearm
-            | ChipOrder::AccelHeartbeat
-            | ChipOrder::MagRearm
-            | ChipOrder::MagHeartbeat
-    )
-}
-
 /// A code's threshold must not exceed the model's, and the next code's must.
-fn assert_rounded_down(code: u16, step: f64, threshold: f64) {
+fn assert_rounded_down(code: u32, step: f64, threshold: f64) {
     let level = f64::from(code) * step;
     assert!(
         code >= 1 && level <= threshold * (1.0 + ROUNDING),
@@ -212,26 +251,19 @@ fn the_firmware_orders_every_accelerometer_code_rounded_down_and_never_0() {
         for value in within(wanted, step) {
             // Without a change of code nothing is ordered: below one code first.
             let (_, order) = flight.program(Input::ChipAccel, (0.5 * step) as f32);
-            assert!(
-                matches!(order, None | Some(ChipOrder::AccelDataReady)),
-                "{order:?}"
-            );
+            assert!(matches!(order, None | Some(Programmed(None))), "{order:?}");
             let (threshold, order) = flight.program(Input::ChipAccel, value);
-            let Some(ChipOrder::AccelThreshold(code)) = order else {
+            let Some(Programmed(Some(code))) = order else {
                 // Adding the model's odds may have taken the last bit from code 1.
                 assert!(threshold < step * (1.0 + ROUNDING), "{threshold} {order:?}");
                 continue;
             };
-            assert_rounded_down(u16::from(code), step, threshold);
+            assert_rounded_down(code, step, threshold);
         }
     }
     flight.program(Input::ChipAccel, 0.0);
     let (_, order) = flight.program(Input::ChipAccel, 400.0);
-    assert_eq!(
-        order,
-        Some(ChipOrder::AccelThreshold(127)),
-        "the largest code"
-    );
+    assert_eq!(order, Some(Programmed(Some(127))), "the largest code");
 }
 
 #[test]
@@ -241,12 +273,9 @@ fn the_firmware_orders_magnetometer_codes_rounded_down_and_never_0() {
     for wanted in codes.into_iter().filter(|code| *code < 32_767) {
         for value in within(wanted, MAG_GAUSS) {
             let (_, order) = flight.program(Input::ChipMag, 0.5e-3);
-            assert!(
-                matches!(order, None | Some(ChipOrder::MagDataReady)),
-                "{order:?}"
-            );
+            assert!(matches!(order, None | Some(Programmed(None))), "{order:?}");
             let (threshold, order) = flight.program(Input::ChipMag, value);
-            let Some(ChipOrder::MagThreshold(code)) = order else {
+            let Some(Programmed(Some(code))) = order else {
                 assert!(
                     threshold < MAG_GAUSS * (1.0 + ROUNDING),
                     "{threshold} {order:?}"
@@ -258,9 +287,5 @@ fn the_firmware_orders_magnetometer_codes_rounded_down_and_never_0() {
     }
     flight.program(Input::ChipMag, 0.0);
     let (_, order) = flight.program(Input::ChipMag, 200.0);
-    assert_eq!(
-        order,
-        Some(ChipOrder::MagThreshold(32_767)),
-        "the largest code"
-    );
+    assert_eq!(order, Some(Programmed(Some(32_767))), "the largest code");
 }

@@ -1,13 +1,12 @@
 //! Fields of a record to bytes and back.
 
 use super::{DecodeError, LONGEST_RECORD};
-use crate::app::{ChipOrder, OrderError};
-use crate::config::MOTORS;
+use crate::app::{ChipAction, ChipOrder, ChipSetting, OrderError};
 use crate::control::{Setpoint, Yaw};
 use crate::link::{Destination, ExternalPose, Message};
 use crate::math::{Quaternion, Vec3};
-use crate::sensors::Cause;
-use crate::units::{BodyRates, Position, Thrust, Velocity};
+use crate::sensors::{Cause, ImuReading, Input};
+use crate::units::{BodyRates, Position, SpecificForce, Thrust, Velocity};
 
 pub(super) struct Encoder<'b> {
     buffer: &'b mut [u8; LONGEST_RECORD],
@@ -34,23 +33,29 @@ impl<'b> Encoder<'b> {
         self.put(value.to_le_bytes());
     }
 
-    pub(super) fn counts(&mut self, counts: [i16; 3]) {
-        for count in counts {
-            self.put(count.to_le_bytes());
+    /// Several at once: whether there is room is looked at once.
+    pub(super) fn floats<const N: usize>(&mut self, values: [f32; N]) {
+        let place = self.buffer.get_mut(self.length..self.length + 4 * N);
+        let (words, _) = place.unwrap_or_default().as_chunks_mut();
+        for (word, value) in words.iter_mut().zip(values) {
+            *word = value.to_le_bytes();
+            self.length += 4;
         }
     }
 
-    fn vector(&mut self, vector: Vec3) {
-        for component in vector.to_array() {
-            self.float(component);
-        }
+    pub(super) fn vector(&mut self, vector: Vec3) {
+        self.floats(vector.to_array());
+    }
+
+    pub(super) fn reading(&mut self, reading: &ImuReading) {
+        let [p, q, r] = reading.rates.0.to_array();
+        let [x, y, z] = reading.force.0.to_array();
+        self.floats([p, q, r, x, y, z, reading.temperature]);
     }
 
     fn attitude(&mut self, attitude: Option<Quaternion>) {
         self.byte(u8::from(attitude.is_some()));
-        for component in attitude.unwrap_or_default().to_array() {
-            self.float(component);
-        }
+        self.floats(attitude.unwrap_or_default().to_array());
     }
 
     pub(super) fn message(&mut self, message: &Message) {
@@ -84,36 +89,37 @@ impl<'b> Encoder<'b> {
     }
 
     pub(super) fn order(&mut self, order: &ChipOrder) {
-        match order {
-            ChipOrder::AccelDataReady => self.byte(0),
-            ChipOrder::AccelThreshold(code) => {
+        self.byte(order.input as u8);
+        match order.action {
+            ChipAction::DataReady => self.byte(0),
+            ChipAction::Threshold(change) => {
                 self.byte(1);
-                self.byte(*code);
+                self.float(change);
             }
-            ChipOrder::AccelRearm => self.byte(2),
-            ChipOrder::MagDataReady => self.byte(3),
-            ChipOrder::MagThreshold(code) => {
-                self.byte(4);
-                self.put(code.to_le_bytes());
-            }
-            ChipOrder::MagRearm => self.byte(5),
-            ChipOrder::AccelHeartbeat => self.byte(6),
-            ChipOrder::MagHeartbeat => self.byte(7),
+            ChipAction::Rearm => self.byte(2),
+            ChipAction::Heartbeat => self.byte(3),
         }
     }
 
-    pub(super) fn result(&mut self, result: &Result<(), OrderError>) {
-        match result {
-            Ok(()) => self.byte(0),
-            Err(OrderError::Bus) => self.byte(1),
-            Err(OrderError::Identity) => self.byte(2),
+    pub(super) fn result(&mut self, result: &Result<ChipSetting, OrderError>) {
+        match *result {
+            Ok(ChipSetting::EverySample { finest }) => {
+                self.byte(0);
+                self.float(finest);
+            }
+            Ok(ChipSetting::PastThreshold { level, next }) => {
+                self.byte(1);
+                self.floats([level, next]);
+            }
+            Err(OrderError::Bus) => self.byte(2),
+            Err(OrderError::Identity) => self.byte(3),
             Err(OrderError::ReadBack {
                 register,
                 wrote,
                 read,
             }) => {
-                self.byte(3);
-                self.put([*register, *wrote, *read]);
+                self.byte(4);
+                self.put([register, wrote, read]);
             }
         }
     }
@@ -165,21 +171,24 @@ impl<'b> Decoder<'b> {
         self.choice(Cause::from_number)
     }
 
-    pub(super) fn counts(&mut self) -> Result<[i16; 3], DecodeError> {
-        let [a, b, c, d, e, f] = self.take()?;
-        Ok([[a, b], [c, d], [e, f]].map(i16::from_le_bytes))
-    }
-
-    pub(super) fn shares(&mut self) -> Result<[f32; MOTORS], DecodeError> {
-        let mut shares = [0.0; MOTORS];
-        for share in &mut shares {
-            *share = self.float()?;
+    pub(super) fn floats<const N: usize>(&mut self) -> Result<[f32; N], DecodeError> {
+        let mut values = [0.0; N];
+        for value in &mut values {
+            *value = self.float()?;
         }
-        Ok(shares)
+        Ok(values)
     }
 
-    fn vector(&mut self) -> Result<Vec3, DecodeError> {
-        Ok(Vec3::new(self.float()?, self.float()?, self.float()?))
+    pub(super) fn vector(&mut self) -> Result<Vec3, DecodeError> {
+        Ok(Vec3::from_array(self.floats()?))
+    }
+
+    pub(super) fn reading(&mut self) -> Result<ImuReading, DecodeError> {
+        Ok(ImuReading {
+            rates: BodyRates(self.vector()?),
+            force: SpecificForce(self.vector()?),
+            temperature: self.float()?,
+        })
     }
 
     /// The very bits that were recorded: no scaling, so that a replay is exact.
@@ -225,25 +234,30 @@ impl<'b> Decoder<'b> {
     }
 
     pub(super) fn order(&mut self) -> Result<ChipOrder, DecodeError> {
-        Ok(match self.byte()? {
-            0 => ChipOrder::AccelDataReady,
-            1 => ChipOrder::AccelThreshold(self.byte()?),
-            2 => ChipOrder::AccelRearm,
-            3 => ChipOrder::MagDataReady,
-            4 => ChipOrder::MagThreshold(u16::from_le_bytes(self.take()?)),
-            5 => ChipOrder::MagRearm,
-            6 => ChipOrder::AccelHeartbeat,
-            7 => ChipOrder::MagHeartbeat,
-            other => return Err(DecodeError::Unknown(other)),
+        Ok(ChipOrder {
+            input: self.choice(Input::from_number)?,
+            action: match self.byte()? {
+                0 => ChipAction::DataReady,
+                1 => ChipAction::Threshold(self.float()?),
+                2 => ChipAction::Rearm,
+                3 => ChipAction::Heartbeat,
+                other => return Err(DecodeError::Unknown(other)),
+            },
         })
     }
 
-    pub(super) fn result(&mut self) -> Result<Result<(), OrderError>, DecodeError> {
+    pub(super) fn result(&mut self) -> Result<Result<ChipSetting, OrderError>, DecodeError> {
         Ok(match self.byte()? {
-            0 => Ok(()),
-            1 => Err(OrderError::Bus),
-            2 => Err(OrderError::Identity),
-            3 => {
+            0 => Ok(ChipSetting::EverySample {
+                finest: self.float()?,
+            }),
+            1 => Ok(ChipSetting::PastThreshold {
+                level: self.float()?,
+                next: self.float()?,
+            }),
+            2 => Err(OrderError::Bus),
+            3 => Err(OrderError::Identity),
+            4 => {
                 let [register, wrote, read] = self.take()?;
                 Err(OrderError::ReadBack {
                     register,

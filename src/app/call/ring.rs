@@ -3,7 +3,7 @@
 use super::{Call, LONGEST_RECORD, Recorder, Stamped};
 use crate::time::Instant;
 
-/// Capacity of the ring in bytes, a power of two: over 40 ms of flight.
+/// Capacity of the ring in bytes, a power of two: over 20 ms of flight.
 pub const RING_LENGTH: usize = 2048;
 
 /// A ring of records, laid out for a reader that only has the memory.
@@ -54,15 +54,20 @@ impl Recorder for CallRing {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sensors::ImuReading;
     use crate::time::at_micros;
 
     #[test]
     fn records_that_cross_the_end_can_be_read_back() {
         let mut ring = CallRing::new();
-        for at in 0..1000 {
-            ring.record(at_micros(at), &Call::Imu([at as u8; 15]));
+        let reading = |at| ImuReading {
+            temperature: f32::from(at),
+            ..ImuReading::default()
+        };
+        for at in 0..1000_u16 {
+            ring.record(at_micros(at.into()), &Call::Imu(reading(at)));
         }
-        let length = 24;
+        let length = 37;
         let last = ring.written as usize - length;
         let bytes: Vec<u8> = (last..last + length)
             .map(|place| ring.bytes[place % RING_LENGTH])
@@ -70,6 +75,6 @@ mod tests {
         let (record, consumed) = Stamped::decode(&bytes).expect("a whole record");
         assert_eq!(consumed, length);
         assert_eq!(record.at, at_micros(999));
-        assert_eq!(record.call, Call::Imu([231; 15]));
+        assert_eq!(record.call, Call::Imu(reading(999)));
     }
 }

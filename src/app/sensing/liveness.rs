@@ -3,7 +3,7 @@
 //! A threshold cannot tell a steady sensor from a stuck one: neither ever changes. But no real
 //! sensor repeats itself to the last bit for long, since its noise is several counts.
 
-use crate::sensors::IMU_BURST_LENGTH;
+use crate::sensors::ImuReading;
 use crate::time::{Duration, Instant, at_micros, micros, span};
 
 /// How long the gating sensor may take to deliver its first sample.
@@ -12,12 +12,12 @@ const WAKING: Duration = micros(1_000_000);
 /// Since when the gating sensor repeats itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Liveness {
-    newest: [u8; IMU_BURST_LENGTH],
+    newest: ImuReading,
     changed: Option<Instant>,
     told: bool,
 }
 
-/// What a burst says about its sensor.
+/// What a reading says about its sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sign {
     /// It is alive.
@@ -29,17 +29,12 @@ pub(super) enum Sign {
 }
 
 impl Liveness {
-    /// Takes a burst; stuck where all have been the same for longer than `patience`.
-    pub(super) fn take(
-        &mut self,
-        at: Instant,
-        burst: &[u8; IMU_BURST_LENGTH],
-        patience: Duration,
-    ) -> Sign {
+    /// Takes a reading; stuck where all have been the same for longer than `patience`.
+    pub(super) fn take(&mut self, at: Instant, reading: &ImuReading, patience: Duration) -> Sign {
         let changed = *self.changed.get_or_insert(at);
-        if *burst != self.newest {
+        if *reading != self.newest {
             *self = Self {
-                newest: *burst,
+                newest: *reading,
                 changed: Some(at),
                 told: false,
             };
@@ -90,8 +85,14 @@ mod tests {
     #[test]
     fn a_sensor_that_repeats_itself_is_told_of_once_until_it_moves() {
         let mut liveness = Liveness::default();
-        let mut take = |at, byte| liveness.take(at_micros(at), &[byte; 15], micros(2_000));
-        assert_eq!(take(0, 1), Sign::Alive);
+        let mut take = |at, count| {
+            let reading = ImuReading {
+                temperature: f32::from(count),
+                ..ImuReading::default()
+            };
+            liveness.take(at_micros(at), &reading, micros(2_000))
+        };
+        assert_eq!(take(0, 1_i16), Sign::Alive);
         assert_eq!(take(1_000, 1), Sign::Alive);
         assert_eq!(take(2_000, 1), Sign::Stuck);
         assert_eq!(take(3_000, 1), Sign::StillStuck);

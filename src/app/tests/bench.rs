@@ -8,11 +8,35 @@ impl Recorder for Vec<Stamped> {
     }
 }
 
-/// A burst of a drone at rest that turns about roll at `rate` counts.
-pub fn burst(rate: i16) -> [u8; 15] {
-    let [high, low] = rate.to_be_bytes();
-    let [down, down_low] = (-2048i16).to_be_bytes();
-    [1, 0, 0, 0, 0, down, down_low, 0, 0, high, low, 0, 0, 0, 0]
+/// A drone at rest that turns about roll at `rate` counts of a gyroscope with 16.4 per deg/s.
+pub fn turning(rate: i16) -> ImuReading {
+    let rate = f32::from(rate) * (core::f32::consts::PI / (180.0 * 16.4));
+    ImuReading {
+        rates: BodyRates(Vec3::new(rate, 0.0, 0.0)),
+        force: SpecificForce(Vec3::new(0.0, 0.0, -GRAVITY)),
+        temperature: 36.53,
+    }
+}
+
+/// Counts of an accelerometer with 16 per 0.98 mg.
+pub fn force(counts: [i16; 3]) -> SpecificForce {
+    let [x, y, z] = counts.map(|count| f32::from(count) * (GRAVITY * 0.000_98 / 16.0));
+    SpecificForce(Vec3::new(x, y, z))
+}
+
+/// What a chip answers whose comparator has steps of 0.1 m/s2 or gauss.
+pub fn obeyed(order: ChipOrder) -> ChipSetting {
+    const STEP: f32 = 0.1;
+    match order.action {
+        ChipAction::Threshold(change) if change >= STEP => {
+            let steps = (change / STEP).floor();
+            ChipSetting::PastThreshold {
+                level: steps * STEP,
+                next: (steps + 1.0) * STEP,
+            }
+        }
+        _ => ChipSetting::EverySample { finest: STEP },
+    }
 }
 
 /// A board that does what the firmware does, without one.
@@ -63,7 +87,7 @@ impl<L: ControlLogic> Bench<L> {
                 self.outputs.push((self.now, output.share()));
             }
             if let Some(rate) = rate(self.now)
-                && self.autopilot.on_imu(now, &burst(rate)) == Next::Hyperperiod
+                && self.autopilot.on_imu(now, &turning(rate)) == Next::Hyperperiod
                 && let Some(output) = self.autopilot.on_hyperperiod(now)
             {
                 self.outputs.push((self.now, output.share()));

@@ -69,7 +69,7 @@ fn runs_that_begin_late_time_and_again_end_reactive_control() {
         bench.now += 1000;
         let now = at_micros(bench.now);
         let rate = gusty(bench.now).unwrap_or(0);
-        if bench.autopilot.on_imu(now, &burst(rate)) == Next::Hyperperiod {
+        if bench.autopilot.on_imu(now, &turning(rate)) == Next::Hyperperiod {
             let too_late = now + HYPERPERIOD;
             bench.autopilot.on_hyperperiod(too_late);
             late += 1;
@@ -141,11 +141,11 @@ fn with_chip(bench: &mut Bench, milliseconds: u64, mut counts: impl FnMut(u64) -
         bench.milliseconds(1, swaying);
         let now = at_micros(bench.now);
         if step % 10 == 0 {
-            let counts = counts(bench.now);
-            let _ = bench.autopilot.on_chip_accel(now, counts, Cause::DataReady);
+            let sample = force(counts(bench.now));
+            let _ = bench.autopilot.on_chip_accel(now, sample, Cause::DataReady);
         }
         while let Some(order) = bench.autopilot.next_order() {
-            bench.autopilot.on_order_done(now, order, Ok(()));
+            bench.autopilot.on_order_done(now, order, Ok(obeyed(order)));
         }
     }
 }
@@ -178,15 +178,17 @@ fn a_chip_that_lost_its_threshold_is_programmed_within_two_failsafe_periods() {
                 wrote: 9,
                 read: 0,
             };
-            let checks = matches!(order, ChipOrder::AccelHeartbeat);
+            let accel = order.input == Input::ChipAccel;
+            let checks = accel && order.action == ChipAction::Heartbeat;
             let result = if checks && reset_at.is_none() {
                 // The chip was reset right after the last check.
                 reset_at = Some(bench.now - SETTINGS.failsafe.ticks());
                 Err(lost)
             } else {
-                Ok(())
+                Ok(obeyed(order))
             };
-            if matches!(order, ChipOrder::AccelThreshold(_)) && reset_at.is_some() {
+            let compares = matches!(order.action, ChipAction::Threshold(_));
+            if accel && compares && reset_at.is_some() {
                 armed_again_at.get_or_insert(bench.now);
             }
             bench.autopilot.on_order_done(now, order, result);

@@ -8,9 +8,8 @@
 
 use heapless::Deque;
 use reflex::app::Fault;
-use reflex::sensors::IMU_BURST_LENGTH;
 use reflex::time::{Duration, Instant, micros, span};
-use reflex_drivers::mpu6050::{ADDRESS, BURST_START, Check, LONGEST_CHECK};
+use reflex_drivers::mpu6050::{ADDRESS, BURST_LENGTH, BURST_START, Check, LONGEST_CHECK};
 use stm32f4xx_hal::ClearFlags;
 use stm32f4xx_hal::dma::traits::{Channel, Stream, StreamISR};
 use stm32f4xx_hal::dma::{ChannelX, DmaDirection, Stream0, config::Priority};
@@ -32,7 +31,7 @@ const REPORTS: usize = 4;
 #[derive(Clone, Copy, Debug)]
 pub enum Report {
     /// A burst, with the stamp of its interrupt.
-    Burst(Instant, [u8; IMU_BURST_LENGTH]),
+    Burst(Instant, [u8; BURST_LENGTH]),
     /// What the registers of a check hold.
     Check(Check, [u8; LONGEST_CHECK]),
     /// A transaction was cut off.
@@ -62,7 +61,7 @@ enum Phase {
 pub struct Engine {
     bus: Option<Bus>,
     stream: Stream0<pac::DMA1>,
-    buffer: &'static mut [u8; IMU_BURST_LENGTH],
+    buffer: &'static mut [u8; BURST_LENGTH],
     phase: Phase,
     purpose: Purpose,
     received: Instant,
@@ -79,7 +78,7 @@ impl Engine {
     /// [`Engine::give_back`].
     pub fn new(
         mut stream: Stream0<pac::DMA1>,
-        buffer: &'static mut [u8; IMU_BURST_LENGTH],
+        buffer: &'static mut [u8; BURST_LENGTH],
         plan: &'static [Check],
     ) -> Self {
         stream.set_channel(ChannelX::<1>::VALUE);
@@ -221,7 +220,7 @@ impl Engine {
 
     fn length(&self) -> u16 {
         match self.purpose {
-            Purpose::Burst(_) => IMU_BURST_LENGTH as u16,
+            Purpose::Burst(_) => BURST_LENGTH as u16,
             Purpose::Check(check) => u16::from(check.length),
         }
     }

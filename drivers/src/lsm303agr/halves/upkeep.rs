@@ -16,6 +16,12 @@ use super::super::{
 use super::{Cause, Half, Halves, OrderError, Routing, Sample, failure};
 use crate::error::Error;
 
+/// The accelerometer's full scale: the finest, because its threshold has the finest step.
+pub(super) const FULL_SCALE: AccelFullScale = AccelFullScale::G2;
+
+/// The corner of the filter before the accelerometer's comparator: the one that forgets slowest.
+pub(super) const CORNER: HighPassCorner = HighPassCorner::FourHundredth;
+
 /// The data rates that both halves are set to.
 #[derive(Clone, Copy, Debug)]
 pub struct Rates {
@@ -47,11 +53,15 @@ impl Rates {
         Some(Self { accel, mag })
     }
 
+    pub(super) const fn accel(self) -> AccelDataRate {
+        self.accel.1
+    }
+
     /// What the crate is told to set, checked against the chip.
     const fn output(self) -> AccelOutput {
         AccelOutput {
-            data_rate: self.accel.1,
-            full_scale: AccelFullScale::G2,
+            data_rate: self.accel(),
+            full_scale: FULL_SCALE,
             mode: AccelMode::HighResolution,
         }
     }
@@ -62,7 +72,7 @@ pub(super) const fn accel_interrupt(threshold: AccelThreshold) -> AccelInterrupt
     AccelInterrupt {
         high_pass: Some(HighPass {
             mode: HighPassMode::ResetByReading,
-            corner: HighPassCorner::FourHundredth,
+            corner: CORNER,
         }),
         axes: Axes::ALL,
         threshold,

@@ -125,6 +125,14 @@ impl Accelerometer {
             .map(|g| g * STANDARD_GRAVITY)
     }
 
+    /// The threshold code in force on INT_1_XL; `None` where CTRL_REG3_A does not route generator
+    /// 1 there.
+    pub fn pin_threshold(&self) -> Option<u32> {
+        const I1_AOI1: u8 = 0x40;
+        let routed = self.registers.has(map::CTRL_REG3_A, I1_AOI1);
+        routed.then(|| u32::from(self.register(map::INT1_THS_A)))
+    }
+
     /// Level of pin INT_2_XL.
     pub fn interrupt_2(&self) -> bool {
         let routed = |bit, active| self.registers.has(map::CTRL_REG6_A, bit) && active;

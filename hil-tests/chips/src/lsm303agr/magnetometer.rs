@@ -114,6 +114,14 @@ impl Magnetometer {
         f64::from(self.registers.threshold()) * map::GAUSS_PER_COUNT
     }
 
+    /// The threshold code in force on INT_MAG; `None` where CFG_REG_C_M does not route its
+    /// interrupt there.
+    pub fn pin_threshold(&self) -> Option<u32> {
+        const INT_MAG_PIN: u8 = 0x40;
+        let routed = self.registers.has(map::CFG_REG_C_M, INT_MAG_PIN);
+        routed.then(|| u32::from(self.registers.threshold()))
+    }
+
     /// Hard-iron offsets in gauss.
     pub fn offsets(&self) -> [f64; 3] {
         self.registers

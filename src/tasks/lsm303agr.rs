@@ -1,0 +1,123 @@
+//! The LSM303AGR as accelerometer and magnetometer that compare.
+//!
+//! [`Halves`] of the drivers keeps the chip; this file translates between its words and the
+//! autopilot's.
+
+use embedded_hal::spi::SpiDevice;
+use reflex_drivers::lsm303agr::halves::{self, Action, Half, Halves, Interrupts, Rates};
+use reflex_drivers::quantity::Seconds;
+
+use super::chips::{Chips, Obeyed, Reading, Sample};
+use crate::app::{ChipAction, ChipOrder, ChipSetting, OrderError};
+use crate::config::{CHIP_ACCEL_RATE, CHIP_MAG_RATE};
+use crate::math::Vec3;
+use crate::sensors::{Cause, Input};
+use crate::settings::Settings;
+use crate::time::seconds;
+use crate::units::{MagneticField, SpecificForce};
+
+/// The rates that the configuration asks for.
+const RATES: Rates = match Rates::from_hz(CHIP_ACCEL_RATE, CHIP_MAG_RATE) {
+    Some(rates) => rates,
+    None => panic!("the LSM303AGR has no such rates"),
+};
+
+/// Both halves of the chip, each behind its chip select.
+#[derive(Debug)]
+pub struct Lsm303agr<A, M>(Halves<A, M>);
+
+impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Lsm303agr<A, M> {
+    /// Takes the bus handles of accelerometer and magnetometer; nothing is sent yet.
+    pub fn new(accel: A, mag: M, settings: &Settings) -> Self {
+        // Every run re-arms the references, and the failsafe runs at the latest.
+        let longest_hold = Seconds(seconds(settings.failsafe));
+        Self(Halves::new(accel, mag, RATES, longest_hold))
+    }
+
+    /// Sets the accelerometer up; one that fails is set up again at its next order.
+    ///
+    /// # Errors
+    /// The bus's, a register that does not hold what was written, a chip that is not there.
+    pub fn set_up_accel(&mut self) -> Result<(), OrderError> {
+        self.0.set_up_accel().map_err(failure)
+    }
+
+    /// Sets the magnetometer up; one that fails is set up again at its next order.
+    ///
+    /// # Errors
+    /// As [`Self::set_up_accel`].
+    pub fn set_up_mag(&mut self) -> Result<(), OrderError> {
+        self.0.set_up_mag().map_err(failure)
+    }
+}
+
+impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Chips for Lsm303agr<A, M> {
+    fn fetch(&mut self, input: Input) -> Result<Sample, OrderError> {
+        let sample = self.0.fetch(half(input)?).map_err(failure)?;
+        Ok(translated(sample))
+    }
+
+    fn execute(&mut self, order: ChipOrder) -> Result<Obeyed, OrderError> {
+        let action = match order.action {
+            ChipAction::DataReady => Action::DataReady,
+            ChipAction::Threshold(change) => Action::Threshold(change),
+            ChipAction::Rearm => Action::Rearm,
+            ChipAction::Heartbeat => Action::Heartbeat,
+        };
+        let done = self.0.execute(half(order.input)?, action);
+        let done = done.map_err(failure)?;
+        Ok(Obeyed {
+            sample: done.sample.map(translated),
+            setting: match done.interrupts {
+                Interrupts::EverySample { finest } => ChipSetting::EverySample { finest },
+                Interrupts::PastThreshold { level, next } => {
+                    ChipSetting::PastThreshold { level, next }
+                }
+            },
+        })
+    }
+}
+
+/// The half that delivers an input.
+fn half(input: Input) -> Result<Half, OrderError> {
+    match input {
+        Input::ChipAccel => Ok(Half::Accel),
+        Input::ChipMag => Ok(Half::Mag),
+        _ => Err(OrderError::Identity),
+    }
+}
+
+fn translated(sample: halves::Sample) -> Sample {
+    Sample {
+        reading: match sample.reading {
+            halves::Reading::Accel(force) => {
+                Reading::Accel(SpecificForce(Vec3::from_array(force.map(|axis| axis.0))))
+            }
+            halves::Reading::Mag(field) => {
+                Reading::Mag(MagneticField(Vec3::from_array(field.map(|axis| axis.0))))
+            }
+        },
+        cause: match sample.cause {
+            halves::Cause::DataReady => Cause::DataReady,
+            halves::Cause::Threshold => Cause::Threshold,
+            halves::Cause::Heartbeat => Cause::Heartbeat,
+            halves::Cause::Rearm => Cause::Rearm,
+        },
+    }
+}
+
+fn failure(error: halves::OrderError) -> OrderError {
+    match error {
+        halves::OrderError::Bus => OrderError::Bus,
+        halves::OrderError::Identity => OrderError::Identity,
+        halves::OrderError::ReadBack {
+            register,
+            wrote,
+            read,
+        } => OrderError::ReadBack {
+            register,
+            wrote,
+            read,
+        },
+    }
+}

@@ -1,0 +1,59 @@
+//! The MPU6050 as gyroscope and accelerometer that gate the hyperperiod.
+
+use reflex_drivers::mpu6050::{BURST_LENGTH, ImuBurst, ImuConfig};
+
+use crate::config::IMU_RATE;
+use crate::math::Vec3;
+use crate::sensors::ImuReading;
+use crate::units::{BodyRates, SpecificForce};
+
+/// What the chip is to hold.
+pub const CONFIG: ImuConfig = ImuConfig {
+    // The chip divides 1 kHz; the rates that `config/` allows are its whole fractions.
+    rate_divider: (1000 / IMU_RATE - 1) as u8,
+    ..ImuConfig::FLIGHT
+};
+
+/// Decodes a burst; `None` where no new data were ready, so that it repeats an old sample.
+#[must_use]
+pub fn reading(burst: &[u8; BURST_LENGTH]) -> Option<ImuReading> {
+    let burst = ImuBurst::from_bytes(burst);
+    let rates = burst.angular_rate(CONFIG.gyro_range).map(|axis| axis.0);
+    let force = burst.specific_force(CONFIG.accel_range).map(|axis| axis.0);
+    burst.interrupt_status.data_ready().then_some(ImuReading {
+        rates: BodyRates(Vec3::from_array(rates)),
+        force: SpecificForce(Vec3::from_array(force)),
+        temperature: burst.die_temperature().0,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensors::GRAVITY;
+
+    #[test]
+    fn a_burst_is_decoded_in_the_order_of_the_register_map() {
+        let burst = [1, 0x08, 0, 0, 0, 0xF8, 0, 9, 9, 0, 164, 0, 0, 0xFF, 0x5C];
+        let reading = reading(&burst).expect("data ready");
+        assert!((reading.force.0.x - GRAVITY).abs() < 1e-4);
+        assert!((reading.force.0.z + GRAVITY).abs() < 1e-4);
+        assert!((reading.rates.0.x.to_degrees() - 10.0).abs() < 1e-4);
+        assert!((reading.rates.0.z.to_degrees() + 10.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_burst_without_new_data_is_no_sample() {
+        assert_eq!(reading(&[0; 15]), None);
+    }
+
+    #[test]
+    fn bursts_that_differ_in_one_bit_give_readings_that_differ() {
+        let burst = [1, 0x08, 0, 0, 0, 0xF8, 0, 9, 9, 0, 164, 0, 0, 0xFF, 0x5C];
+        for bit in 8..15 * 8 {
+            let mut other = burst;
+            other[bit / 8] ^= 1 << (bit % 8);
+            assert_ne!(reading(&burst), reading(&other), "bit {bit}");
+        }
+    }
+}
