@@ -308,8 +308,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.on_chip_lost(Input::ChipMag);
         }
         if !self.chips.mag.is_stuck() {
-            self.sensing
-                .take_field(at, field.0, self.graph.estimate());
+            self.sensing.take_field(at, field.0, self.graph.estimate());
         }
         self.on_chip_sample(at, Input::ChipMag, field.0, cause)
     }

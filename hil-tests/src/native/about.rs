@@ -6,9 +6,7 @@ use reflex::time::at_micros;
 
 use super::board::NativeBoard;
 use super::timing::nanos;
-use crate::replay::about::{
-    Known, SampleCount, Seen, scored_from_us,
-};
+use crate::replay::about::{Known, SampleCount, Seen, scored_from_us};
 use crate::replay::alignment::pulse_ns;
 use crate::replay::story::Story;
 use crate::replay_options::ReplayOptions;
