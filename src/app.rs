@@ -117,8 +117,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
 
     // The steps of that way.
 
-    /// Calibrates with a sample, or filters and sums it; true where it was summed, `None` while
-    /// samples calibrate.
+    /// Filters and sums a sample; `false` where it is not believed, `None` where it calibrates.
     fn take(&mut self, at: Instant, reading: &ImuReading) -> Option<bool> {
         let (armed, cutoff) = (self.safety.is_armed(), self.graph.derivative_cutoff());
         match self.sensing.take(at, reading, armed, cutoff) {
