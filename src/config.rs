@@ -3,7 +3,7 @@
 //! The target parses nothing. `build.rs` reads and checks the files, and stops the build with
 //! one line that names file, line, key and range. On the host `describe` shows what holds.
 
-use crate::sensors::Inputs;
+use crate::sensors::{Input, Inputs};
 use crate::settings::{Feedback, MotorProtocol, Pairs, Policy, Reference, Settings, WarmUp};
 use crate::time::{Duration, micros};
 
@@ -41,6 +41,27 @@ impl Changes {
 }
 
 include!(concat!(env!("OUT_DIR"), "/config.rs"));
+
+/// What an input may ask for; what is derived from bursts has their period and does not gate.
+#[must_use]
+pub const fn of_input(input: Input) -> SensorInput {
+    match input {
+        Input::Gyro => GYRO,
+        Input::Accel => ACCEL,
+        Input::ChipAccel => CHIP_ACCEL,
+        Input::ChipMag => CHIP_MAG,
+        Input::Turned => derived_input(TURNED),
+        Input::Command => derived_input(COMMAND),
+    }
+}
+
+const fn derived_input(changes: Changes) -> SensorInput {
+    SensorInput {
+        period: GYRO.period,
+        gates: false,
+        changes,
+    }
+}
 
 /// The configuration that was built in, one constant and its meaning per line.
 #[cfg(not(target_os = "none"))]

@@ -36,6 +36,7 @@ pub use decision::Decision;
 pub use exploration::Exploration;
 pub use fit::{Fit, Refit, RefitJob};
 pub use labels::{BIN_COUNT, Label, Labels};
+pub use learners::changes_of;
 pub use limits::Limits;
 pub use logistic::Logistic;
 pub use outcome::Outcome;
@@ -127,10 +128,11 @@ impl Reactive {
     /// Takes what a filtered sample of the gyroscope and of the accelerometer beside it says:
     /// rates in rad/s, specific force in m/s2, angle turned since the last run in rad.
     pub fn take_motion(&mut self, rates: Vec3, force: Vec3, turned: Vec3) {
+        let learners = &mut self.learners;
         let calls = [
-            (Input::Gyro, self.learners.gyro.calls(rates)),
-            (Input::Accel, self.learners.accel.calls(force)),
-            (Input::Turned, self.learners.turned_calls(turned)),
+            (Input::Gyro, learners.calls(Input::Gyro, rates)),
+            (Input::Accel, learners.calls(Input::Accel, force)),
+            (Input::Turned, learners.turned_calls(turned)),
         ];
         for (input, _) in calls.into_iter().filter(|(_, calls)| *calls) {
             self.schedule.ask(input);
@@ -142,12 +144,12 @@ impl Reactive {
     /// Time-triggered control need not foresee what it computes anyway.
     #[must_use]
     pub fn foresees(&self) -> bool {
-        self.phase() == Phase::Reactive && self.learners.command.lesson.triggers
+        self.phase() == Phase::Reactive && self.learners.lesson(Input::Command).triggers
     }
 
     /// Takes the command that a run now would come to.
     pub fn take_foreseen(&mut self, command: &MotorShares) {
-        if self.learners.command.calls(*command) {
+        if self.learners.command_calls(command) {
             self.schedule.ask(Input::Command);
         }
     }
@@ -162,13 +164,10 @@ impl Reactive {
         tell: impl FnMut(Input, &Label),
     ) -> Next {
         if cause == Cause::Rearm {
-            if let Some(learner) = self.learners.of_axes(input) {
-                learner.rearm(sample);
-            }
+            self.learners.rearm(input, sample);
             return Next::Wait;
         }
-        let learner = self.learners.of_axes(input);
-        let crossed = learner.is_some_and(|learner| learner.calls(sample));
+        let crossed = self.learners.calls(input, sample);
         // Where the chip compared, its comparison decides.
         if crossed || cause == Cause::Threshold {
             self.schedule.ask(input);

@@ -5,7 +5,7 @@
 use crate::time::Instant;
 use crate::units::{BodyRates, SpecificForce};
 
-pub use reflex_settings::{Input, Inputs};
+pub use reflex_settings::{Input, Inputs, Source, Unit};
 
 /// Standard gravity in m/s2.
 pub const GRAVITY: f32 = 9.806_65;

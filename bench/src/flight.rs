@@ -3,13 +3,13 @@
 use core::hint::black_box;
 
 use oorandom::Rand32;
-use reflex::config::{GYRO, MOTORS};
+use reflex::config::{MOTORS, of_input};
 use reflex::control::Setpoint;
 use reflex::estimate::Arrival;
 use reflex::graph::{ControlLogic, Flown};
 use reflex::math::Vec3;
 use reflex::reactive::{Held, Label, Labels, Lead, Rule, ShadowHolds};
-use reflex::sensors::{GRAVITY, ImuSample};
+use reflex::sensors::{GRAVITY, ImuSample, Input};
 use reflex::settings::{Pairs, Reference};
 use reflex::time::{at_micros, micros};
 use reflex::units::{BodyRates, SpecificForce, Thrust};
@@ -97,8 +97,8 @@ fn runs() {
 }
 
 fn holds() {
-    let mut holds = ShadowHolds::new(&GYRO.changes);
-    let mut labels = Labels::new(&GYRO.changes);
+    let mut holds = ShadowHolds::new(&of_input(Input::Gyro).changes);
+    let mut labels = Labels::new(&of_input(Input::Gyro).changes);
     let rule = Rule {
         reference: Reference::LastRun,
         pairs: Pairs::FirstCrossings,
@@ -121,7 +121,7 @@ fn holds() {
 }
 
 fn labels() {
-    let mut labels = Labels::new(&GYRO.changes);
+    let mut labels = Labels::new(&of_input(Input::Gyro).changes);
     let mut samples = Samples::new();
     rounds(LABEL, |round| {
         let label = label(&mut samples, round);

@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use cortex_m::peripheral::DWT;
 use oorandom::Rand32;
-use reflex::config::GYRO;
+use reflex::config::{Changes, of_input};
 use reflex::reactive::{BIN_COUNT, Decision, Fit, Label, Labels, Logistic, RefitJob};
 use reflex::sensors::Input;
 use reflex_bench::{REFIT, SWAP, WORST_REFIT};
@@ -79,7 +79,7 @@ impl Shares {
     }
 
     fn labels(&self) -> Labels {
-        let mut labels = Labels::new(&GYRO.changes);
+        let mut labels = Labels::new(&of_input(Input::Gyro).changes);
         for (bin, weights) in self.0.iter().enumerate() {
             for (weight, changed) in weights.iter().zip([true, false]) {
                 labels.add(&Label {
@@ -104,7 +104,7 @@ fn weight(chance: &mut Rand32) -> f32 {
 
 /// A change in the middle of a bin, which are even in the bits of a float.
 fn change(bin: usize) -> f32 {
-    let (smallest, largest) = (GYRO.changes.smallest, GYRO.changes.largest);
+    let Changes { smallest, largest } = of_input(Input::Gyro).changes;
     let span = u64::from(largest.to_bits() - smallest.to_bits());
     let steps = span * (2 * bin as u64 + 1) / (2 * BIN_COUNT as u64);
     f32::from_bits(smallest.to_bits() + steps as u32)

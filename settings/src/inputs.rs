@@ -1,40 +1,113 @@
-//! The inputs whose change may call for a run, and sets of them.
+//! The inputs whose change may call for a run, each declared once, and sets of them.
+//!
+//! What is declared here is said nowhere else: tables of the configuration, learners, gates of the
+//! hyperperiod, sets and records, the option `--triggers`, names in logs and reports follow from
+//! it. What an input needs beyond that asks for it by an exhaustive match or by an array of
+//! [`Input::COUNT`], so that a forgotten place does not compile.
 
-/// The inputs whose change may call for a run, one model each.
+/// What is known of one input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
-#[repr(u8)]
-pub enum Input {
-    /// MPU6050 gyroscope: gates the hyperperiod.
-    Gyro = 0,
-    /// MPU6050 accelerometer: gates the hyperperiod.
-    Accel = 1,
-    /// LSM303AGR accelerometer: triggers, does not gate.
-    ChipAccel = 2,
-    /// LSM303AGR magnetometer: triggers, does not gate.
-    ChipMag = 3,
-    /// Derived: the angle turned since the last run.
-    Turned = 4,
-    /// Derived: the command that a run would come to, against the one applied.
-    Command = 5,
+pub struct Declaration {
+    /// Its name in logs and reports.
+    pub name: &'static str,
+    /// Its name among options; with underscores, its table of the configuration.
+    pub key: &'static str,
+    /// What it is.
+    pub meaning: &'static str,
+    /// The unit of its changes.
+    pub unit: Unit,
+    /// Where its samples come from.
+    pub source: Source,
 }
 
+/// The unit of an input's changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// As named.
+    Named(&'static str),
+    /// The quantum of the motor command, which is a setting; the firmware counts in shares of
+    /// full scale.
+    Quantum,
+}
+
+/// Where the samples of an input come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A sensor in the burst of the inertial measurement unit: three axes.
+    Imu,
+    /// A chip with a clock of its own: three axes.
+    Chip,
+    /// Computed at every burst: three axes.
+    Derived,
+    /// Computed at every burst: a share of full scale for every motor.
+    Command,
+}
+
+/// Declares the inputs in the order of their numbers: those with three axes, the command last.
+macro_rules! inputs {
+    ($(
+        $(#[doc = $meaning:literal])+
+        $input:ident { name: $name:literal, key: $key:literal, unit: $unit:expr, source: $source:ident }
+    )* ) => {
+        /// The inputs whose change may call for a run, one model each.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[cfg_attr(target_os = "none", derive(defmt::Format))]
+        #[repr(u8)]
+        pub enum Input {
+            $($(#[doc = $meaning])+ $input,)*
+        }
+
+        impl Input {
+            /// All of them, in the order of their numbers.
+            pub const ALL: [Self; Self::COUNT] = [$(Self::$input),*];
+
+            /// How many inputs may trigger.
+            pub const COUNT: usize = [$(Self::$input),*].len();
+
+            /// What is known of it.
+            #[must_use]
+            pub const fn declaration(self) -> Declaration {
+                match self {
+                    $(Self::$input => Declaration {
+                        name: $name,
+                        key: $key,
+                        meaning: concat!($($meaning),+).trim_ascii(),
+                        unit: $unit,
+                        source: Source::$source,
+                    },)*
+                }
+            }
+        }
+    };
+}
+
+inputs! {
+    /// Angular rate, from the MPU6050's gyroscope.
+    Gyro { name: "mpu6050_gyro", key: "gyro", unit: Unit::Named("rad/s"), source: Imu }
+    /// Specific force, from the MPU6050's accelerometer.
+    Accel { name: "mpu6050_accel", key: "accel", unit: Unit::Named("m/s2"), source: Imu }
+    /// Specific force, from the LSM303AGR's accelerometer, which compares by itself.
+    ChipAccel { name: "lsm303agr_accel", key: "chip-accel", unit: Unit::Named("m/s2"), source: Chip }
+    /// Magnetic field, from the LSM303AGR's magnetometer, which compares by itself.
+    ChipMag { name: "lsm303agr_mag", key: "chip-mag", unit: Unit::Named("gauss"), source: Chip }
+    /// Angle turned since the last run.
+    Turned { name: "angle_turned", key: "turned", unit: Unit::Named("rad"), source: Derived }
+    /// Command that a run would come to, against the one applied.
+    Command { name: "command_change", key: "command", unit: Unit::Quantum, source: Command }
+}
+
+// A set is a byte; arrays by number begin with the sensors and leave the command out.
+const _: () = assert!(Input::COUNT <= 8 && Input::Command as usize == Input::COUNT - 1);
+
 impl Input {
-    /// How many inputs may trigger.
-    pub const COUNT: usize = 6;
-
-    /// All of them, in the order of their numbers.
-    pub const ALL: [Self; Self::COUNT] = [
-        Self::Gyro,
-        Self::Accel,
-        Self::ChipAccel,
-        Self::ChipMag,
-        Self::Turned,
-        Self::Command,
-    ];
-
     /// Those that a sensor delivers.
-    pub const SENSED: [Self; 4] = [Self::Gyro, Self::Accel, Self::ChipAccel, Self::ChipMag];
+    pub const SENSED: [Self; Inputs::SENSED.len()] = Inputs::SENSED.list();
+
+    /// Those of chips with a clock of their own.
+    pub const OF_CHIPS: [Self; Inputs::OF_CHIPS.len()] = Inputs::OF_CHIPS.list();
+
+    /// Those with three axes.
+    pub const OF_AXES: [Self; Inputs::OF_AXES.len()] = Inputs::OF_AXES.list();
 
     /// The input of a number, `None` past the last.
     #[must_use]
@@ -42,30 +115,22 @@ impl Input {
         Self::ALL.get(usize::from(number)).copied()
     }
 
-    /// The name used in logs, reports and configuration.
+    /// The name used in logs and reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Gyro => "mpu6050_gyro",
-            Self::Accel => "mpu6050_accel",
-            Self::ChipAccel => "lsm303agr_accel",
-            Self::ChipMag => "lsm303agr_mag",
-            Self::Turned => "angle_turned",
-            Self::Command => "command_change",
-        }
+        self.declaration().name
     }
 
     /// Its name among options.
     #[must_use]
     pub const fn key(self) -> &'static str {
-        match self {
-            Self::Gyro => "gyro",
-            Self::Accel => "accel",
-            Self::ChipAccel => "chip-accel",
-            Self::ChipMag => "chip-mag",
-            Self::Turned => "turned",
-            Self::Command => "command",
-        }
+        self.declaration().key
+    }
+
+    /// Where its samples come from.
+    #[must_use]
+    pub const fn source(self) -> Source {
+        self.declaration().source
     }
 }
 
@@ -81,12 +146,61 @@ impl Inputs {
     /// Every input.
     pub const ALL: Self = Self((1 << Input::COUNT) - 1);
 
-    /// Those that a sample of the MPU6050 delivers, or that are derived from it.
-    pub const OF_IMU: Self = Self::NONE
-        .with(Input::Gyro)
-        .with(Input::Accel)
-        .with(Input::Turned)
-        .with(Input::Command);
+    /// Those that a sensor delivers.
+    pub const SENSED: Self = Self::of(&[Source::Imu, Source::Chip]);
+
+    /// Those of chips with a clock of their own.
+    pub const OF_CHIPS: Self = Self::of(&[Source::Chip]);
+
+    /// Those with three axes.
+    pub const OF_AXES: Self = Self::of(&[Source::Imu, Source::Chip, Source::Derived]);
+
+    /// Those that a burst of the inertial measurement unit delivers, or that are derived from it.
+    pub const OF_IMU: Self = Self::of(&[Source::Imu, Source::Derived, Source::Command]);
+
+    const fn of(sources: &[Source]) -> Self {
+        let mut set = Self::NONE;
+        let mut number = 0;
+        while number < Input::COUNT {
+            let input = Input::ALL[number];
+            let mut place = 0;
+            while place < sources.len() {
+                if sources[place] as u8 == input.source() as u8 {
+                    set = set.with(input);
+                }
+                place += 1;
+            }
+            number += 1;
+        }
+        set
+    }
+
+    /// How many inputs are in the set.
+    #[must_use]
+    pub const fn len(self) -> usize {
+        self.0.count_ones() as usize
+    }
+
+    /// The first inputs of the set, in the order of their numbers.
+    const fn list<const N: usize>(self) -> [Input; N] {
+        let mut list = [Input::Command; N];
+        let (mut number, mut place) = (0, 0);
+        while number < Input::COUNT && place < N {
+            if self.contains(Input::ALL[number]) {
+                list[place] = Input::ALL[number];
+                place += 1;
+            }
+            number += 1;
+        }
+        list
+    }
+
+    /// The inputs of the set, in the order of their numbers.
+    pub fn iter(self) -> impl Iterator<Item = Input> {
+        Input::ALL
+            .into_iter()
+            .filter(move |input| self.contains(*input))
+    }
 
     /// The set of a word with one bit for each input, by its number; other bits are dropped.
     #[must_use]
@@ -141,5 +255,38 @@ impl Inputs {
     #[must_use]
     pub const fn contains(self, input: Input) -> bool {
         self.0 >> input as u8 & 1 == 1
+    }
+}
+
+impl FromIterator<Input> for Inputs {
+    fn from_iter<I: IntoIterator<Item = Input>>(inputs: I) -> Self {
+        inputs.into_iter().fold(Self::NONE, Self::with)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arrays_by_number_begin_with_the_sensors_and_end_before_the_command() {
+        let begins = |list: &[Input]| list == &Input::ALL[..list.len()];
+        assert!(begins(&Input::SENSED) && begins(&Input::OF_AXES));
+        assert_eq!(Input::OF_AXES.len(), Input::Command as usize);
+    }
+
+    #[test]
+    fn the_sets_of_sources_share_no_input_and_leave_none_out() {
+        assert_eq!(Inputs::OF_IMU.or(Inputs::OF_CHIPS), Inputs::ALL);
+        assert!(!Inputs::OF_IMU.meets(Inputs::OF_CHIPS));
+        assert!(Inputs::SENSED.iter().eq(Input::SENSED));
+    }
+
+    #[test]
+    fn names_and_keys_are_each_of_one_input() {
+        for input in Input::ALL {
+            let same = |other: &Input| other.name() == input.name() || other.key() == input.key();
+            assert_eq!(Input::ALL.iter().filter(|other| same(other)).count(), 1);
+        }
     }
 }

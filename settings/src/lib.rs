@@ -8,6 +8,6 @@ mod range;
 mod time;
 
 pub use choices::{Feedback, MotorProtocol, Pairs, Policy, Reference, WarmUp};
-pub use inputs::{Input, Inputs};
+pub use inputs::{Declaration, Input, Inputs, Source, Unit};
 pub use range::{Range, above, between, from_below, one_of, within};
 pub use time::{Duration, micros};

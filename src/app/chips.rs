@@ -199,7 +199,7 @@ impl Chips {
         Input::ALL
             .into_iter()
             .filter(|input| self.delivers(*input))
-            .fold(Inputs::NONE, Inputs::with)
+            .collect()
     }
 
     fn of_mut(&mut self, input: Input) -> Option<&mut Chip> {

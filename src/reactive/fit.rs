@@ -290,7 +290,7 @@ impl Normal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::{CHIP_MAG, GYRO};
+    use crate::config::of_input;
     use crate::reactive::Label;
     use proptest::prelude::*;
 
@@ -300,7 +300,7 @@ mod tests {
 
     /// Labels with exactly the expected share of *changed* at each change.
     fn labelled(model: Logistic, changes: impl Iterator<Item = f32>) -> Labels {
-        let mut labels = Labels::new(&GYRO.changes);
+        let mut labels = Labels::new(&of_input(Input::Gyro).changes);
         for x in changes {
             let share = model.probability(x);
             labels.add(&label(x, true, 20.0 * share));
@@ -327,7 +327,7 @@ mod tests {
         fn any_labels_give_finite_coefficients_or_none(
             labels in prop::collection::vec((0.0f32..20.0, any::<bool>(), 0.0f32..300.0), 0..200)
         ) {
-            let mut all = Labels::new(&GYRO.changes);
+            let mut all = Labels::new(&of_input(Input::Gyro).changes);
             for (x, changed, weight) in labels {
                 all.add(&label(x, changed, weight));
             }
@@ -339,7 +339,7 @@ mod tests {
 
     #[test]
     fn too_few_labels_of_one_class_are_unfit() {
-        let mut labels = Labels::new(&GYRO.changes);
+        let mut labels = Labels::new(&of_input(Input::Gyro).changes);
         for i in 0..1000 {
             labels.add(&label(i as f32 * 0.001, i % 40 != 0, 1.0));
         }
@@ -348,7 +348,7 @@ mod tests {
 
     #[test]
     fn a_probability_that_falls_with_the_change_is_irrelevant_but_for_the_leading_input() {
-        let mut labels = Labels::new(&GYRO.changes);
+        let mut labels = Labels::new(&of_input(Input::Gyro).changes);
         for i in 0..1000 {
             labels.add(&label(i as f32 * 0.001, i < 400, 1.0));
         }
@@ -366,7 +366,7 @@ mod tests {
 
     #[test]
     fn an_input_that_never_told_of_a_changed_command_is_irrelevant() {
-        let mut labels = Labels::new(&GYRO.changes);
+        let mut labels = Labels::new(&of_input(Input::Gyro).changes);
         for i in 0..1000 {
             labels.add(&label(i as f32 * 0.001, i % 100 == 0, 1.0));
         }
@@ -375,7 +375,7 @@ mod tests {
 
     #[test]
     fn a_constant_input_is_irrelevant() {
-        let mut labels = Labels::new(&CHIP_MAG.changes);
+        let mut labels = Labels::new(&of_input(Input::ChipMag).changes);
         for i in 0..1000 {
             labels.add(&label(0.0, i % 3 == 0, 1.0));
         }
@@ -384,7 +384,7 @@ mod tests {
 
     #[test]
     fn separated_classes_still_give_a_finite_threshold_between_them() {
-        let mut labels = Labels::new(&GYRO.changes);
+        let mut labels = Labels::new(&of_input(Input::Gyro).changes);
         for i in 0..1000 {
             labels.add(&label(i as f32 * 0.001, i >= 500, 1.0));
         }

@@ -4,25 +4,21 @@
 //! hyperperiod therefore ends with samples, not with time: when each gating input has delivered
 //! as many as its nominal rate promises. One that stays away ends it at one and a half periods.
 
-use crate::config::{ACCEL, CHIP_ACCEL, CHIP_MAG, GYRO, HYPERPERIOD, SensorInput};
+use crate::config::{HYPERPERIOD, of_input};
 use crate::sensors::{Input, Inputs};
 use crate::time::Instant;
 
 /// Inputs whose periods enter the hyperperiod.
 pub(super) const GATES: Inputs = {
-    let gates = with_gate(Inputs::NONE, Input::Gyro, &GYRO);
-    let gates = with_gate(gates, Input::Accel, &ACCEL);
-    let gates = with_gate(gates, Input::ChipAccel, &CHIP_ACCEL);
-    with_gate(gates, Input::ChipMag, &CHIP_MAG)
-};
-
-const fn with_gate(gates: Inputs, input: Input, sensor: &SensorInput) -> Inputs {
-    if sensor.gates {
-        gates.with(input)
-    } else {
-        gates
+    let (mut gates, mut sensors) = (Inputs::NONE, Input::SENSED.as_slice());
+    while let Some((input, rest)) = sensors.split_first() {
+        if of_input(*input).gates {
+            gates = gates.with(*input);
+        }
+        sensors = rest;
     }
-}
+    gates
+};
 
 // The build refuses a hyperperiod past its bound with the rates that make it; this holds the bound
 // for whoever writes constants by hand.
@@ -32,20 +28,19 @@ const _: () = assert!(
 );
 
 /// Samples that each of [`Input::SENSED`] owes a hyperperiod; none where it does not gate.
-const OWED: [u16; Input::SENSED.len()] = [
-    owed(&GYRO),
-    owed(&ACCEL),
-    owed(&CHIP_ACCEL),
-    owed(&CHIP_MAG),
-];
-
-const fn owed(sensor: &SensorInput) -> u16 {
-    if sensor.gates {
-        (HYPERPERIOD.ticks() / sensor.period.ticks()) as u16
-    } else {
-        0
+const OWED: [u16; Input::SENSED.len()] = {
+    let mut owed = [0; Input::SENSED.len()];
+    let (mut places, mut sensors) = (owed.as_mut_slice(), Input::SENSED.as_slice());
+    while let (Some((place, others)), Some((input, rest))) =
+        (places.split_first_mut(), sensors.split_first())
+    {
+        if GATES.contains(*input) {
+            *place = (HYPERPERIOD.ticks() / of_input(*input).period.ticks()) as u16;
+        }
+        (places, sensors) = (others, rest);
     }
-}
+    owed
+};
 
 /// The hyperperiod under way.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

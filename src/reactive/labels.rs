@@ -258,7 +258,8 @@ impl Labels {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::GYRO;
+    use crate::config::of_input;
+    use crate::sensors::Input;
     use proptest::prelude::*;
 
     fn label(x: f32, changed: bool, weight: f32) -> Label {
@@ -272,7 +273,7 @@ mod tests {
 
     #[test]
     fn labels_that_are_no_numbers_are_ignored() {
-        let mut labels = Labels::new(&GYRO.changes);
+        let mut labels = Labels::new(&of_input(Input::Gyro).changes);
         for x in [f32::NAN, f32::INFINITY, -1.0] {
             labels.add(&label(x, true, 1.0));
         }
@@ -282,7 +283,7 @@ mod tests {
 
     #[test]
     fn labels_after_a_forgetting_count_in_full_and_those_before_it_by_their_share() {
-        let mut labels = Labels::new(&GYRO.changes);
+        let mut labels = Labels::new(&of_input(Input::Gyro).changes);
         labels.add(&label(0.5, true, 8.0));
         labels.fade(0.5);
         labels.fade(0.5);
@@ -300,7 +301,7 @@ mod tests {
         fn every_label_is_counted_once_and_bins_keep_their_mean(
             xs in prop::collection::vec((0.0f32..10.0, any::<bool>()), 1..300)
         ) {
-            let mut labels = Labels::new(&GYRO.changes);
+            let mut labels = Labels::new(&of_input(Input::Gyro).changes);
             for &(x, changed) in &xs {
                 labels.add(&label(x, changed, 1.0));
             }

@@ -1,21 +1,21 @@
 //! What each input learns and decides by.
 //!
-//! Four inputs are sensed, two are derived from the gyroscope at each of its samples: the angle
-//! turned since the last run, and the command that a run would come to. One input *leads*, the
-//! one that knows most of what a change does: the foreseen command where that may trigger, else
-//! the gyroscope, else the angle. The others are relevant for what they tell before it does.
+//! Some inputs are sensed, others derived at each burst: the angle turned since the last run, and
+//! the command that a run would come to. One input *leads*, the one that knows most of what a
+//! change does: the foreseen command where that may trigger, else the gyroscope, else the angle.
+//! The others are relevant for changes that they show before it does.
 
 mod learner;
 #[cfg(test)]
 mod tests;
 
-use learner::Showing;
-pub(super) use learner::{Learner, Lesson};
+pub(super) use learner::Lesson;
+pub use learner::changes_of;
+use learner::{Learner, Showing};
 
 use super::outcome::Teaching;
 use super::{Label, Lead, Rule};
 use crate::airframe::MotorShares;
-use crate::config::{ACCEL, CHIP_ACCEL, CHIP_MAG, COMMAND, GYRO, TURNED};
 use crate::math::Vec3;
 use crate::sensors::{Input, Inputs};
 use crate::settings::{Pairs, Reference, Settings};
@@ -24,12 +24,9 @@ use crate::time::Instant;
 /// One learner per input.
 #[derive(Clone, Debug)]
 pub(super) struct Learners {
-    pub(super) gyro: Learner,
-    pub(super) accel: Learner,
-    pub(super) chip_accel: Learner,
-    pub(super) chip_mag: Learner,
-    pub(super) turned: Learner,
-    pub(super) command: Learner<MotorShares>,
+    /// Those of three axes, by the number of their input.
+    axes: [Learner; Input::OF_AXES.len()],
+    command: Learner<MotorShares>,
     lead: Input,
     rule: Rule,
     /// Angle turned in earlier runs, which the shadow holds look back to.
@@ -46,14 +43,9 @@ impl Learners {
             .into_iter()
             .find(|input| settings.triggers.contains(*input))
             .unwrap_or(Input::Turned);
-        let command = COMMAND.times(settings.quantum);
         Self {
-            gyro: Learner::new(Input::Gyro, &GYRO.changes, settings),
-            accel: Learner::new(Input::Accel, &ACCEL.changes, settings),
-            chip_accel: Learner::new(Input::ChipAccel, &CHIP_ACCEL.changes, settings),
-            chip_mag: Learner::new(Input::ChipMag, &CHIP_MAG.changes, settings),
-            turned: Learner::new(Input::Turned, &TURNED, settings),
-            command: Learner::new(Input::Command, &command, settings),
+            axes: Input::OF_AXES.map(|input| Learner::new(input, settings)),
+            command: Learner::new(Input::Command, settings),
             lead,
             rule: Rule {
                 reference: settings.reference,
@@ -77,43 +69,47 @@ impl Learners {
         self.rule.reference
     }
 
-    /// The learner of an input with three axes; `None` for the command.
-    pub(super) fn of_axes(&mut self, input: Input) -> Option<&mut Learner> {
-        match input {
-            Input::Gyro => Some(&mut self.gyro),
-            Input::Accel => Some(&mut self.accel),
-            Input::ChipAccel => Some(&mut self.chip_accel),
-            Input::ChipMag => Some(&mut self.chip_mag),
-            Input::Turned => Some(&mut self.turned),
-            Input::Command => None,
-        }
-    }
-
-    pub(super) fn lesson(&self, input: Input) -> &Lesson {
-        match input {
-            Input::Gyro => &self.gyro.lesson,
-            Input::Accel => &self.accel.lesson,
-            Input::ChipAccel => &self.chip_accel.lesson,
-            Input::ChipMag => &self.chip_mag.lesson,
-            Input::Turned => &self.turned.lesson,
-            Input::Command => &self.command.lesson,
-        }
-    }
-
-    pub(super) fn lesson_mut(&mut self, input: Input) -> &mut Lesson {
-        match input {
-            Input::Gyro => &mut self.gyro.lesson,
-            Input::Accel => &mut self.accel.lesson,
-            Input::ChipAccel => &mut self.chip_accel.lesson,
-            Input::ChipMag => &mut self.chip_mag.lesson,
-            Input::Turned => &mut self.turned.lesson,
-            Input::Command => &mut self.command.lesson,
-        }
+    /// Takes a sample of an input with three axes; true where its change calls for a run.
+    pub(super) fn calls(&mut self, input: Input, sample: Vec3) -> bool {
+        let learner = self.of_axes(input);
+        learner.is_some_and(|learner| learner.calls(sample))
     }
 
     /// True where the angle turned since the last run calls for a run.
     pub(super) fn turned_calls(&mut self, since_last_run: Vec3) -> bool {
-        self.turned.calls(self.turned_before + since_last_run)
+        self.calls(Input::Turned, self.turned_before + since_last_run)
+    }
+
+    /// True where the command that a run would come to calls for it.
+    pub(super) fn command_calls(&mut self, command: &MotorShares) -> bool {
+        self.command.calls(*command)
+    }
+
+    /// What an input is measured against is this sample now.
+    pub(super) fn rearm(&mut self, input: Input, sample: Vec3) {
+        if let Some(learner) = self.of_axes(input) {
+            learner.rearm(sample);
+        }
+    }
+
+    /// The learner of an input with three axes; `None` for the command.
+    fn of_axes(&mut self, input: Input) -> Option<&mut Learner> {
+        self.axes.get_mut(input as usize)
+    }
+
+    /// What an input learned; the command's number is the one behind the axes'.
+    pub(super) fn lesson(&self, input: Input) -> &Lesson {
+        match self.axes.get(input as usize) {
+            Some(learner) => &learner.lesson,
+            None => &self.command.lesson,
+        }
+    }
+
+    pub(super) fn lesson_mut(&mut self, input: Input) -> &mut Lesson {
+        match self.axes.get_mut(input as usize) {
+            Some(learner) => &mut learner.lesson,
+            None => &mut self.command.lesson,
+        }
     }
 
     /// The largest probability of a changed command by a model among those that asked.
@@ -132,7 +128,7 @@ impl Learners {
         command: &MotorShares,
         mut tell: impl FnMut(Input, &Label),
     ) {
-        for input in [Input::Gyro, Input::Accel, Input::Turned, Input::Command] {
+        for input in Inputs::OF_IMU.iter() {
             self.hold(now, input, command, &mut tell);
         }
     }
@@ -151,7 +147,7 @@ impl Learners {
         let showing = Showing {
             now,
             command: *command,
-            rates: self.gyro.watch.newest().unwrap_or_default(),
+            rates: self.newest(Input::Gyro).unwrap_or_default(),
             rule: self.rule_for(input),
             lead,
             anew: self.takes_stale(input),
@@ -188,6 +184,11 @@ impl Learners {
         self.lesson(self.lead).decision.model().is_some()
     }
 
+    /// The newest sample of an input with three axes.
+    fn newest(&self, input: Input) -> Option<Vec3> {
+        self.axes.get(input as usize)?.watch.newest()
+    }
+
     /// What an input's labels depend on.
     fn rule_for(&self, input: Input) -> Rule {
         let mut rule = self.rule;
@@ -205,10 +206,10 @@ impl Learners {
             return Inputs::NONE;
         }
         let held = self.lagging.or(self.stale_holds);
-        let turning = Input::ALL
+        let turning: Inputs = Input::ALL
             .into_iter()
             .filter(|input| !held.contains(*input) && self.lesson(*input).is_stuck(now))
-            .fold(Inputs::NONE, Inputs::with);
+            .collect();
         self.lagging = self.lagging.or(turning);
         self.stale_holds = self.stale_holds.or(turning);
         turning
@@ -244,7 +245,7 @@ impl Learners {
         self.stale_holds = Inputs::ALL;
         // Sums of a whole flight would lose the small angles that a hold turns by.
         self.turned_before = Vec3::ZERO;
-        self.turned.rearm(Vec3::ZERO);
+        self.rearm(Input::Turned, Vec3::ZERO);
     }
 
     /// Forgets all labels and models.
@@ -260,11 +261,9 @@ impl Learners {
     /// `turned` is the angle that the run took, `learning` whether shadow holds look further
     /// back than to this run.
     pub(super) fn on_run(&mut self, turned: Vec3, learning: bool, command: &MotorShares) {
-        self.gyro.on_run();
-        self.accel.on_run();
-        self.chip_accel.on_run();
-        self.chip_mag.on_run();
-        self.turned.on_run();
+        for learner in &mut self.axes {
+            learner.on_run();
+        }
         self.command.on_run();
         let last_run = self.rule.reference == Reference::LastRun;
         self.turned_before = if learning || !last_run {
@@ -273,7 +272,7 @@ impl Learners {
             Vec3::ZERO
         };
         if last_run {
-            self.turned.rearm(self.turned_before);
+            self.rearm(Input::Turned, self.turned_before);
             self.command.rearm(*command);
         }
     }

@@ -191,7 +191,8 @@ pub fn differs(a: &MotorShares, b: &MotorShares, quantum: f32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::GYRO;
+    use crate::config::of_input;
+    use crate::sensors::Input;
     use crate::time::{at_micros, micros};
 
     fn rule(reference: Reference) -> Rule {
@@ -205,8 +206,8 @@ mod tests {
 
     /// A slow ramp of the sample, with a command that follows it.
     fn ramp(reference: Reference) -> Labels {
-        let mut holds = ShadowHolds::new(&GYRO.changes);
-        let mut labels = Labels::new(&GYRO.changes);
+        let mut holds = ShadowHolds::new(&of_input(Input::Gyro).changes);
+        let mut labels = Labels::new(&of_input(Input::Gyro).changes);
         for step in 0..20_000u64 {
             let rate = step as f32 * 1e-4;
             let newest = Held {

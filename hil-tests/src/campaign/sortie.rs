@@ -119,8 +119,7 @@ impl Job {
         };
         match sortie.role {
             Role::Unforeseen => {
-                let inputs = [Input::Gyro, Input::Accel, Input::Turned];
-                settings.triggers = inputs.into_iter().fold(Inputs::NONE, Inputs::with);
+                settings.triggers = Inputs::OF_IMU.without(Input::Command);
             }
             Role::PRun(thousandths) => settings.p_run = thousandths as f32 / 1000.0,
             Role::Failsafe(ms) => settings.failsafe = micros(u64::from(ms) * 1000),

@@ -8,20 +8,20 @@ use std::path::Path;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use reflex::app::{Call, Reason, Stamped};
-use reflex::reactive::{Fit, Logistic, RefitJob};
-use reflex::sensors::Input;
+use reflex::reactive::{Fit, Logistic, RefitJob, changes_of};
+use reflex::sensors::{Input, Unit};
 use reflex::settings::Settings;
 
 use super::maximum_likelihood::Sample;
 use super::recorded::settings;
-use super::tap::{Lessons, changes_of, tap};
+use super::tap::{Lessons, tap};
 use hil_tests::native::fly;
 use hil_tests::replay_options::ReplayOptions;
 use recorded_flights::Flight;
 use recorded_flights::recordings::flights;
 
 /// Which inputs are shown, and in which of the settings: one in which the input is fitted.
-const PANELS: [(Input, usize); 6] = [
+const PANELS: [(Input, usize); Input::COUNT] = [
     (Input::Command, 0),
     (Input::Gyro, 1),
     (Input::Turned, 2),
@@ -35,13 +35,10 @@ const DOTS: usize = 24;
 
 type Panel<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-fn unit_of(input: Input) -> &'static str {
-    match input {
-        Input::Gyro => "rad/s",
-        Input::Accel | Input::ChipAccel => "m/s²",
-        Input::ChipMag => "gauss",
-        Input::Turned => "rad",
-        Input::Command => "share of full scale",
+fn unit_of(input: Input) -> String {
+    match input.declaration().unit {
+        Unit::Named(unit) => unit.replace("s2", "s²"),
+        Unit::Quantum => "share of full scale".to_owned(),
     }
 }
 

@@ -11,19 +11,13 @@ use recorded_flights::recordings::flights;
 
 /// The triggers that make each of the leading inputs lead.
 pub(super) fn settings() -> [(&'static str, Settings); 3] {
-    let of = |triggers: &[Input]| Settings {
-        triggers: triggers.iter().fold(Inputs::NONE, |all, i| all.with(*i)),
+    let of = |triggers| Settings {
+        triggers,
         ..Settings::default()
     };
     let all = Settings::default();
-    let without_command = of(&[
-        Input::Gyro,
-        Input::Accel,
-        Input::ChipAccel,
-        Input::ChipMag,
-        Input::Turned,
-    ]);
-    let turned = of(&[Input::Turned, Input::ChipAccel, Input::ChipMag]);
+    let without_command = of(Inputs::OF_AXES);
+    let turned = of(Inputs::OF_CHIPS.with(Input::Turned));
     [
         ("default", all),
         ("without command", without_command),

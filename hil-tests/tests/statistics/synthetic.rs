@@ -3,7 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Exp1, LogNormal, Pareto, StandardUniform};
-use reflex::config::GYRO;
+use reflex::config::of_input;
 use reflex::reactive::{Fit, Label, Labels, RefitJob};
 use reflex::sensors::Input;
 
@@ -54,7 +54,7 @@ fn labelled(truth: &Model, crossing: f64, sizes: Sizes, count: usize, seed: u64)
 }
 
 fn binned(samples: &[Sample]) -> Labels {
-    let mut labels = Labels::new(&GYRO.changes);
+    let mut labels = Labels::new(&of_input(Input::Gyro).changes);
     for sample in samples {
         labels.add(&Label {
             x: sample.x as f32,

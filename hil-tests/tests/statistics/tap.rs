@@ -1,10 +1,8 @@
 //! Every label that the learners of a flight were given, tapped behind their backs.
 
 use reflex::app::{Autopilot, Call, Recorder, Stamped};
-use reflex::config::{
-    ACCEL, CHIP_ACCEL, CHIP_MAG, COMMAND, Changes, FORGETTING, GYRO, REFIT_INTERVAL, TURNED,
-};
-use reflex::reactive::{Label, Labels};
+use reflex::config::{FORGETTING, REFIT_INTERVAL};
+use reflex::reactive::{Label, Labels, changes_of};
 use reflex::sensors::Input;
 use reflex::settings::Settings;
 use reflex::time::Instant;
@@ -24,18 +22,6 @@ pub(super) struct Lessons {
 /// The share that is kept when a little is forgotten.
 fn kept() -> f64 {
     1.0 - REFIT_INTERVAL.ticks() as f64 / FORGETTING.ticks() as f64
-}
-
-/// The changes that an input's bins span.
-pub(super) fn changes_of(input: Input, settings: &Settings) -> Changes {
-    match input {
-        Input::Gyro => GYRO.changes,
-        Input::Accel => ACCEL.changes,
-        Input::ChipAccel => CHIP_ACCEL.changes,
-        Input::ChipMag => CHIP_MAG.changes,
-        Input::Turned => TURNED,
-        Input::Command => COMMAND.times(settings.quantum),
-    }
 }
 
 impl Lessons {

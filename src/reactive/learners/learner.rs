@@ -3,12 +3,13 @@
 use crate::airframe::MotorShares;
 use crate::config::{
     Changes, FORGETTING, LABELS_OF_EACH_CLASS, LONGEST_WARM_UP, REFIT_INTERVAL, STABLE_CHANGE,
+    of_input,
 };
 use crate::math::Vec3;
 use crate::reactive::{
     Decision, Fit, Held, Label, Labels, Lead, Logistic, Rule, Sample, ShadowHolds, Watch,
 };
-use crate::sensors::Input;
+use crate::sensors::{Input, Unit};
 use crate::settings::Settings;
 use crate::time::{Duration, Instant, micros, seconds, span};
 
@@ -17,11 +18,20 @@ use crate::time::{Duration, Instant, micros, seconds, span};
 /// Half of the longest warm-up: as long again is left to learn from lags before that ends.
 pub(super) const PATIENCE: Duration = micros(LONGEST_WARM_UP.ticks() / 2);
 
+/// The ends of the bins of an input's changes, in the unit that the firmware counts in.
+pub fn changes_of(input: Input, settings: &Settings) -> Changes {
+    let changes = of_input(input).changes;
+    match input.declaration().unit {
+        Unit::Named(_) => changes,
+        Unit::Quantum => changes.times(settings.quantum),
+    }
+}
+
 /// One input: what it is measured against, what it learned.
 #[derive(Clone, Debug)]
-pub(in crate::reactive) struct Learner<S = Vec3> {
-    pub(in crate::reactive) watch: Watch<S>,
-    pub(in crate::reactive) lesson: Lesson,
+pub(super) struct Learner<S = Vec3> {
+    pub(super) watch: Watch<S>,
+    pub(super) lesson: Lesson,
     holds: ShadowHolds<S>,
 }
 
@@ -51,7 +61,8 @@ pub(super) struct Showing {
 }
 
 impl<S: Sample> Learner<S> {
-    pub(super) fn new(input: Input, changes: &Changes, settings: &Settings) -> Self {
+    pub(super) fn new(input: Input, settings: &Settings) -> Self {
+        let changes = &changes_of(input, settings);
         Self {
             watch: Watch::new(settings.reference),
             lesson: Lesson {
@@ -67,7 +78,7 @@ impl<S: Sample> Learner<S> {
     }
 
     /// Takes a sample; true where its change calls for a run.
-    pub(in crate::reactive) fn calls(&mut self, sample: S) -> bool {
+    pub(super) fn calls(&mut self, sample: S) -> bool {
         let x = self.watch.take(sample);
         self.lesson.decision.take(x) && self.lesson.triggers
     }
@@ -78,7 +89,7 @@ impl<S: Sample> Learner<S> {
     }
 
     /// What is measured against is this sample now.
-    pub(in crate::reactive) fn rearm(&mut self, sample: S) {
+    pub(super) fn rearm(&mut self, sample: S) {
         self.watch.rearm(sample);
         self.lesson.decision.on_run();
     }
@@ -172,7 +183,7 @@ impl Lesson {
     }
 
     /// Counts what the present change came to; nothing where no change was measured.
-    pub(in crate::reactive) fn label(&mut self, changed: bool, weight: f32) -> Option<Label> {
+    pub(super) fn label(&mut self, changed: bool, weight: f32) -> Option<Label> {
         let x = self.decision.change()?;
         let label = Label { x, changed, weight };
         self.labels.add(&label);
