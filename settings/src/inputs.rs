@@ -45,37 +45,62 @@ pub enum Source {
 
 /// Declares the inputs in the order of their numbers: those with three axes, the command last.
 macro_rules! inputs {
-    ($(
-        $(#[doc = $meaning:literal])+
-        $input:ident { name: $name:literal, key: $key:literal, unit: $unit:expr, source: $source:ident }
-    )* ) => {
+    (
+        $($(#[doc = $meaning:literal])+ $axes:ident {
+            name: $name:literal, key: $key:literal, unit: $unit:expr, source: $source:ident
+        })*
+        ---
+        $(#[doc = $last_meaning:literal])+ $last:ident {
+            name: $last_name:literal, key: $last_key:literal, unit: $last_unit:expr
+        }
+    ) => {
         /// The inputs whose change may call for a run, one model each.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[cfg_attr(target_os = "none", derive(defmt::Format))]
         #[repr(u8)]
         pub enum Input {
-            $($(#[doc = $meaning])+ $input,)*
+            $($(#[doc = $meaning])+ $axes,)*
+            $(#[doc = $last_meaning])+ $last,
         }
 
         impl Input {
+            /// Those with three axes, in the order of their numbers.
+            pub const OF_AXES: [Self; Self::COUNT - 1] = [$(Self::$axes),*];
+
             /// All of them, in the order of their numbers.
-            pub const ALL: [Self; Self::COUNT] = [$(Self::$input),*];
+            pub const ALL: [Self; Self::COUNT] = [$(Self::$axes,)* Self::$last];
 
             /// How many inputs may trigger.
-            pub const COUNT: usize = [$(Self::$input),*].len();
+            pub const COUNT: usize = [$(Self::$axes,)* Self::$last].len();
 
             /// What is known of it.
             #[must_use]
             pub const fn declaration(self) -> Declaration {
                 match self {
-                    $(Self::$input => Declaration {
+                    $(Self::$axes => Declaration {
                         name: $name,
                         key: $key,
                         meaning: concat!($($meaning),+).trim_ascii(),
                         unit: $unit,
                         source: Source::$source,
                     },)*
+                    Self::$last => Declaration {
+                        name: $last_name,
+                        key: $last_key,
+                        meaning: concat!($($last_meaning),+).trim_ascii(),
+                        unit: $last_unit,
+                        source: Source::Command,
+                    },
                 }
+            }
+
+            /// A value for each input with three axes, by its number.
+            ///
+            /// A plain list, so that large values are built in their place: a map over
+            /// [`Self::OF_AXES`] would build them on the stack.
+            #[inline(always)]
+            pub fn each_of_axes<T>(value: impl Fn(Self) -> T) -> [T; Self::COUNT - 1] {
+                [$(value(Self::$axes)),*]
             }
         }
     };
@@ -92,12 +117,12 @@ inputs! {
     ChipMag { name: "lsm303agr_mag", key: "chip-mag", unit: Unit::Named("gauss"), source: Chip }
     /// Angle turned since the last run.
     Turned { name: "angle_turned", key: "turned", unit: Unit::Named("rad"), source: Derived }
+    ---
     /// Command that a run would come to, against the one applied.
-    Command { name: "command_change", key: "command", unit: Unit::Quantum, source: Command }
+    Command { name: "command_change", key: "command", unit: Unit::Quantum }
 }
 
-// A set is a byte; arrays by number begin with the sensors and leave the command out.
-const _: () = assert!(Input::COUNT <= 8 && Input::Command as usize == Input::COUNT - 1);
+const _: () = assert!(Input::COUNT <= 8, "a set of inputs is a byte");
 
 impl Input {
     /// Those that a sensor delivers.
@@ -105,9 +130,6 @@ impl Input {
 
     /// Those of chips with a clock of their own.
     pub const OF_CHIPS: [Self; Inputs::OF_CHIPS.len()] = Inputs::OF_CHIPS.list();
-
-    /// Those with three axes.
-    pub const OF_AXES: [Self; Inputs::OF_AXES.len()] = Inputs::OF_AXES.list();
 
     /// The input of a number, `None` past the last.
     #[must_use]

@@ -44,7 +44,7 @@ impl Learners {
             .find(|input| settings.triggers.contains(*input))
             .unwrap_or(Input::Turned);
         Self {
-            axes: Input::OF_AXES.map(|input| Learner::new(input, settings)),
+            axes: Input::each_of_axes(|input| Learner::new(input, settings)),
             command: Learner::new(Input::Command, settings),
             lead,
             rule: Rule {
