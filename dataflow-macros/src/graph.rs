@@ -1,118 +1,263 @@
-//! A graph as it was declared, before anything is known to be right.
+//! A plain struct, straight-line code, dirty marks in one word.
 
-use proc_macro2::Ident;
-use syn::{Attribute, Expr, Path, Type, Visibility};
+use proc_macro2::{Ident, TokenStream};
+use quote::{format_ident, quote, quote_spanned};
 
-/// The whole declaration.
-pub struct Graph {
-    /// Docs and other attributes of the struct.
-    pub attributes: Vec<Attribute>,
-    /// `#[export_declaration]`: other macros may run the same graph another way.
-    pub exported: bool,
-    pub visibility: Visibility,
-    pub name: Ident,
-    /// Inputs and computed values in the order of the lines.
-    pub values: Vec<Value>,
+use reflex_dataflow_language::code::{default, differs, given_params, mark, start};
+use reflex_dataflow_language::{Computed, Plan, Read, Value};
+
+use crate::{constants, description};
+
+/// The graph's type, its constants and methods.
+pub fn graph(plan: &Plan) -> TokenStream {
+    let graph = plan.graph;
+    let (attributes, visibility, name) = (&graph.attributes, &graph.visibility, &graph.name);
+    let fields = graph.values.iter().map(|value| {
+        let (docs, name, of_type) = (&value.docs, &value.name, &value.of_type);
+        quote!(#(#docs)* #name: #of_type)
+    });
+    let constants = constants::of_type(plan);
+    let assertions = constants::assertions(plan);
+    let description = description::of_type(plan);
+    let methods = [new(plan), params(plan), setters(plan), getters(plan)];
+    let propagation = [propagate(plan), recompute(plan), foresee(plan)];
+    let default = default(plan);
+    quote! {
+        #(#attributes)*
+        #[derive(Clone, Debug)]
+        #visibility struct #name {
+            #(#fields,)*
+            dirty: ::reflex::dataflow::Dirty,
+        }
+
+        #assertions
+
+        impl #name {
+            #constants
+            #description
+            #(#methods)*
+            #(#propagation)*
+        }
+
+        #default
+    }
 }
 
-/// A line: one value, and where it comes from.
-pub struct Value {
-    /// Its documentation.
-    pub docs: Vec<Attribute>,
-    pub name: Ident,
-    pub of_type: Type,
-    /// `starting VALUE`: what it is before anything came in.
-    pub starting: Option<Expr>,
-    pub source: Source,
-}
-
-/// Where a value comes from.
-pub enum Source {
-    Input(Input),
-    Computed(Box<Computed>),
-}
-
-/// `input NAME: TYPE, at RATE, gates, triggers;`
-pub struct Input {
-    pub rate: Rate,
-    pub gates: Gates,
-    pub triggers: bool,
-}
-
-/// The largest rate at which an input comes.
-pub enum Rate {
-    /// `at NUMBER Hz`.
-    Hertz { number: f64, literal: syn::Lit },
-    /// `every PERIOD`, a constant expression.
-    Every(Box<Expr>),
-}
-
-/// Whether an input's period enters the hyperperiod.
-pub enum Gates {
-    Never,
-    Always,
-    /// `gates if CONSTANT`.
-    If(Box<Expr>),
-}
-
-/// `state`, `node` or `output NAME: TYPE = FUNCTION(ARGUMENTS);`
-pub struct Computed {
-    pub kind: Kind,
-    pub function: Path,
-    pub arguments: Vec<Argument>,
-    /// `quantum SIZE`: the change from which on others are told.
-    pub quantum: Option<Expr>,
-}
-
-/// What kind of computed value.
-pub enum Kind {
-    /// Remembers: advances when this input ticks.
-    State {
-        clock: Ident,
-    },
-    Node,
-    Output,
-}
-
-/// What a function is given.
-pub struct Argument {
-    pub name: Ident,
-    /// `&NAME`: a reference, not a copy.
-    pub by_reference: bool,
-    /// `last NAME`: the value from before this run.
-    pub last: bool,
-}
-
-impl Value {
-    pub fn computed(&self) -> Option<&Computed> {
-        match &self.source {
-            Source::Input(_) => None,
-            Source::Computed(computed) => Some(computed),
+/// Starting values, and what the nodes come to from them: nothing is ever stale.
+fn new(plan: &Plan) -> TokenStream {
+    let (given, start) = (given_params(plan), start(plan));
+    let names = plan.graph.values.iter().map(|value| &value.name);
+    quote! {
+        /// The graph with its parameters and starting values.
+        #[must_use]
+        pub fn new(#given) -> Self {
+            #start
+            Self { #(#names,)* dirty: ::reflex::dataflow::Dirty::CLEAN }
         }
     }
+}
 
-    pub fn input(&self) -> Option<&Input> {
-        match &self.source {
-            Source::Input(input) => Some(input),
-            Source::Computed(_) => None,
+/// `set_NAME` of the parameters that are given; those that are made of them follow.
+fn params(plan: &Plan) -> TokenStream {
+    let given = plan.params().filter(|it| it.expression().is_none());
+    let setters = given.map(|value| {
+        let (name, of_type) = (&value.name, &value.of_type);
+        let setter = format_ident!("set_{}", name);
+        let doc = format!("Sets `{name}`, which counts from the next run on and asks for none.");
+        let made = plan
+            .made_params()
+            .filter(|(made, _)| plan.needed_now(made).contains(&plan.place(name)))
+            .map(|(made, expression)| {
+                let (name, expression) = (&made.name, expression.with(stored));
+                quote!(self.#name = #expression;)
+            });
+        quote! {
+            #[doc = #doc]
+            pub fn #setter(&mut self, #name: #of_type) {
+                self.#name = #name;
+                #(#made)*
+            }
+        }
+    });
+    quote!(#(#setters)*)
+}
+
+/// `set_NAME` of inputs and states.
+fn setters(plan: &Plan) -> TokenStream {
+    let set = plan.marked().filter(|it| !it.is_plain_node());
+    let setters = set.map(|value| {
+        let (name, of_type, mark) = (&value.name, &value.of_type, mark(&value.name));
+        let setter = format_ident!("set_{}", name);
+        let is_clock = plan.is_clock(name);
+        let doc = match (value.clock(), is_clock) {
+            (Some(_), _) => format!("Starts the state `{name}` anew from this value."),
+            (None, true) => format!("A new sample of `{name}`, which advances what it clocks."),
+            (None, false) => format!("Sets `{name}`; a value that is the same reaches nothing."),
+        };
+        let store = quote! {
+            self.#name = #name;
+            self.dirty |= Self::#mark;
+        };
+        let store = if is_clock {
+            store
+        } else {
+            quote!(if self.#name != #name { #store })
+        };
+        quote! {
+            #[doc = #doc]
+            pub fn #setter(&mut self, #name: #of_type) { #store }
+        }
+    });
+    quote!(#(#setters)*)
+}
+
+/// Every value, as last propagated; inputs as last set.
+fn getters(plan: &Plan) -> TokenStream {
+    let getters = plan.graph.values.iter().map(|value| {
+        let (docs, name, of_type) = (&value.docs, &value.name, &value.of_type);
+        quote! {
+            #(#docs)*
+            #[must_use]
+            pub fn #name(&self) -> &#of_type { &self.#name }
+        }
+    });
+    quote!(#(#getters)*)
+}
+
+/// Runs the slice that the changed inputs reach.
+fn propagate(plan: &Plan) -> TokenStream {
+    let remembered = remembered(plan);
+    let steps = plan.computed().map(|(value, computed)| {
+        let (name, mark) = (&value.name, mark(&value.name));
+        let wakes = plan.wakes(value).into_iter().map(|it| self::mark(&it.name));
+        let expression = computed.expression.with(stored);
+        let differs = differs(computed, &quote!(new), &quote!(self.#name));
+        quote! {
+            if dirty.any(::reflex::dataflow::Dirty::CLEAN #(.or(Self::#wakes))*) {
+                let new = #expression;
+                if #differs {
+                    self.#name = new;
+                    dirty |= Self::#mark;
+                }
+            }
+        }
+    });
+    let all = plan.marked().map(|value| mark(&value.name));
+    quote! {
+        /// Runs the slice that the changed inputs reach; says which values changed.
+        ///
+        /// Where every input changed, everything is computed, and nothing compared.
+        pub fn propagate(&mut self) -> ::reflex::dataflow::Dirty {
+            let mut dirty = self.dirty.take();
+            if dirty.all(Self::INPUTS) {
+                self.recompute();
+                return ::reflex::dataflow::Dirty::CLEAN #(.or(Self::#all))*;
+            }
+            #(#remembered)*
+            #(#steps)*
+            dirty
         }
     }
+}
 
-    /// The input that clocks it, where it is a state.
-    pub fn clock(&self) -> Option<&Ident> {
-        match &self.computed()?.kind {
-            Kind::State { clock } => Some(clock),
-            Kind::Node | Kind::Output => None,
+/// Computes every value, one after the other, and compares none.
+fn recompute(plan: &Plan) -> TokenStream {
+    let remembered = remembered(plan);
+    let steps = plan.computed().map(|(value, computed)| {
+        let (name, expression) = (&value.name, computed.expression.with(stored));
+        quote!(self.#name = #expression;)
+    });
+    quote! {
+        fn recompute(&mut self) {
+            #(#remembered)*
+            #(#steps)*
         }
     }
+}
 
-    /// A node or output: computed from others, remembers nothing.
-    pub fn is_plain_node(&self) -> bool {
-        self.computed().is_some() && self.clock().is_none()
-    }
+/// What an output would come to, leaving no trace.
+fn foresee(plan: &Plan) -> TokenStream {
+    let outputs = plan.graph.values.iter().filter(|it| it.is_output());
+    let methods = outputs.map(|output| {
+        let needed = plan.needed_now(output);
+        let (name, of_type) = (&output.name, &output.of_type);
+        let method = format_ident!("foresee_{}", name);
+        let steps = plan
+            .computed()
+            .filter(|(value, _)| needed.contains(&plan.place(&value.name)))
+            .map(|(value, computed)| foreseen(plan, value, computed));
+        let doc = format!("What [`Self::propagate`] would bring `{name}` to; advances nothing.");
+        quote! {
+            #[doc = #doc]
+            #[must_use]
+            pub fn #method(&self) -> #of_type {
+                let pending = self.dirty;
+                #(#steps)*
+                #name
+            }
+        }
+    });
+    quote!(#(#methods)*)
+}
 
-    pub fn is_output(&self) -> bool {
-        self.computed()
-            .is_some_and(|computed| matches!(computed.kind, Kind::Output))
+/// One value of what would come, as a local variable.
+fn foreseen(plan: &Plan, value: &Value, computed: &Computed) -> TokenStream {
+    let name = &value.name;
+    let expression = computed.expression.with(|read| {
+        let found = &read.name;
+        let unchanged = read.last || found == name || plan.value(found).computed().is_none();
+        if unchanged {
+            field(found)
+        } else {
+            local(found)
+        }
+    });
+    if let Some(clock) = value.clock() {
+        let clock = mark(clock);
+        return quote!(let #name = if pending.any(Self::#clock) { #expression } else { self.#name };);
     }
+    if computed.quantum.is_none() {
+        return quote!(let #name = #expression;);
+    }
+    let differs = differs(computed, &quote!(new), &quote!(self.#name));
+    quote! {
+        let new = #expression;
+        let #name = if pending.all(Self::INPUTS) || #differs { new } else { self.#name };
+    }
+}
+
+/// Copies of the values that a state reads as they were before the run.
+fn remembered(plan: &Plan) -> Vec<TokenStream> {
+    let values = plan.graph.values.iter();
+    values
+        .filter(|value| plan.is_remembered(&value.name))
+        .map(|value| {
+            let (name, last) = (&value.name, last(&value.name));
+            quote!(let #last = self.#name;)
+        })
+        .collect()
+}
+
+/// Where a value is found while values are stored one after the other.
+fn stored(read: &Read) -> TokenStream {
+    let name = &read.name;
+    if read.last {
+        let last = last(name);
+        quote!(#last)
+    } else {
+        field(name)
+    }
+}
+
+/// A field, at the place of its name: there an argument of a wrong type is shown.
+fn field(name: &Ident) -> TokenStream {
+    quote_spanned!(name.span() => self.#name)
+}
+
+fn local(name: &Ident) -> TokenStream {
+    quote!(#name)
+}
+
+fn last(name: &Ident) -> Ident {
+    format_ident!("last_{}", name)
 }

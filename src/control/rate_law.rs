@@ -1,6 +1,7 @@
 //! The inner loop: rate error to torque demands, PID about each axis.
 
 use crate::config::cascade::{INTEGRAL_LIMIT, RATE_D, RATE_I, RATE_P};
+use crate::estimate::Rotation;
 use crate::math::{Vec3, limited};
 use crate::units::{BodyRates, TorqueDemand};
 
@@ -50,6 +51,18 @@ pub struct RateInput {
     pub measured: BodyRates,
     /// The newest filtered angular acceleration, in rad/s2.
     pub acceleration: Vec3,
+}
+
+impl RateInput {
+    /// What is asked for beside what is measured.
+    #[must_use]
+    pub fn of(wanted: BodyRates, rotation: &Rotation) -> Self {
+        Self {
+            wanted,
+            measured: rotation.rates,
+            acceleration: rotation.acceleration,
+        }
+    }
 }
 
 impl RateLaw {

@@ -51,7 +51,6 @@ use crate::units::{Thrust, TorqueDemand};
 
 graph! {
     /// ArduCopter's angle, rate, position and altitude loops.
-    #[export_declaration]
     pub struct ArduCopter;
 
     /// Sums of the arrival stage since the last run.
@@ -70,9 +69,9 @@ graph! {
     input blind: bool, at 10 Hz, joins;
 
     /// The estimate: attitude and the gyroscope's drift.
-    state filter: DriftFilter = advanced(&filter, &motion, heading), clocked by motion;
+    state filter: DriftFilter = filter.after(&motion, heading), clocked by motion;
     /// Attitude, body to Earth.
-    node attitude: Quaternion = attitude_of(&filter);
+    node attitude: Quaternion = filter.attitude();
 
     /// Errors and integrals of the velocity.
     state course: Course = moved(&course, &place, goal), clocked by place;
@@ -84,8 +83,8 @@ graph! {
     /// What the angle loop asks for.
     node asked: Asked = angle_loop(attitude, &target);
     /// Integrals and the filtered yaw error of the rate loop.
-    state rates: RateMemory = summed(
-        &rates, &motion, &filter, &last asked, &asked, &last command
+    state rates: RateMemory = integrated(
+        &rates, &motion, filter.correction(), &last asked, &asked, &last command
     ), clocked by motion;
     /// What the rate loop asks for.
     node torque: TorqueDemand = rate_loop(&rates, &asked, &rotation, blind);
@@ -97,41 +96,9 @@ graph! {
     /// Thrust, boosted by what the lean takes from it.
     node thrust: Thrust = boosted(climb, &lift, &setpoint, attitude);
     /// Thrust that hover needs.
-    node hover: f32 = hover_of(&lift);
+    node hover: f32 = lift.hover();
     /// The motor vector.
-    output command: Mixed = mixed(torque, thrust, hover);
-}
-
-/// The filter after this motion.
-pub fn advanced(filter: &DriftFilter, motion: &Increment, heading: Option<f32>) -> DriftFilter {
-    filter.after(motion, heading)
-}
-
-/// The attitude that the filter estimates.
-pub fn attitude_of(filter: &DriftFilter) -> Quaternion {
-    filter.attitude()
-}
-
-/// What the rate loop remembers after this motion, and what was asked for in it.
-pub fn summed(
-    rates: &RateMemory,
-    motion: &Increment,
-    filter: &DriftFilter,
-    before: &Asked,
-    after: &Asked,
-    command: &Mixed,
-) -> RateMemory {
-    integrated(rates, motion, filter.correction(), before, after, command)
-}
-
-/// The thrust of hover, as far as it is learned, as a share.
-pub fn hover_of(lift: &Lift) -> f32 {
-    lift.hover()
-}
-
-/// The motor vector of a demand.
-pub fn mixed(torque: TorqueDemand, thrust: Thrust, hover: f32) -> Mixed {
-    shared(&MIXER, torque, thrust, hover)
+    output command: Mixed = shared(&MIXER, torque, thrust, hover);
 }
 
 impl ControlLogic for ArduCopter {

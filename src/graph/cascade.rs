@@ -23,7 +23,6 @@ use crate::units::TorqueDemand;
 
 graph! {
     /// Attitude and rate loops in cascade, on a complementary filter.
-    #[export_declaration]
     pub struct Cascade;
 
     /// Sums of the arrival stage since the last run.
@@ -38,42 +37,27 @@ graph! {
     input blind: bool, at 10 Hz, joins;
 
     /// The attitude estimate.
-    state filter: AttitudeFilter = advanced(&filter, &motion, heading), clocked by motion;
+    state filter: AttitudeFilter = filter.stepped(&motion, heading), clocked by motion;
     /// Attitude, body to Earth.
-    node attitude: Quaternion = attitude_of(&filter);
+    node attitude: Quaternion = filter.attitude();
     /// What the attitude loop asks for.
-    node wanted: Wanted = attitude_loop(attitude, &setpoint);
+    node wanted: Wanted = ATTITUDE_LAW.wanted(attitude, &setpoint);
     /// Integral terms of the rate loop.
     state integrals: RateState = integrated(
         &integrals, &motion, heading, &last filter, &last wanted, &wanted, &last command
     ), clocked by motion;
-    /// What the rate loop asks for.
-    node torque: TorqueDemand = rate_loop(&integrals, &wanted, &rotation, blind);
+    /// What the rate loop asks for; nothing while blind, as the last demand would turn the drone over.
+    node torque: TorqueDemand = if blind {
+        TorqueDemand::default()
+    } else {
+        RATE_LAW.demand(&integrals, &RateInput::of(wanted.rates, &rotation))
+    };
     /// The motor vector.
-    output command: Mixed = mixed(torque, &setpoint);
+    output command: Mixed = MIXER.mix(torque, setpoint.thrust);
 }
 
 const ATTITUDE_LAW: AttitudeLaw = AttitudeLaw::CONFIGURED;
 const RATE_LAW: RateLaw = RateLaw::CONFIGURED;
-
-/// The attitude filter after this motion.
-pub fn advanced(
-    filter: &AttitudeFilter,
-    motion: &Increment,
-    heading: Option<f32>,
-) -> AttitudeFilter {
-    filter.stepped(motion, heading)
-}
-
-/// The attitude that the filter estimates.
-pub fn attitude_of(filter: &AttitudeFilter) -> Quaternion {
-    filter.attitude()
-}
-
-/// Desired rates of an attitude.
-pub fn attitude_loop(attitude: Quaternion, setpoint: &Setpoint) -> Wanted {
-    ATTITUDE_LAW.wanted(attitude, setpoint)
-}
 
 /// The integrals after this motion, in which the desired rates moved from one value to another.
 ///
@@ -99,31 +83,6 @@ pub fn integrated(
         saturated: command.saturated,
     };
     RATE_LAW.after(state, &stretch)
-}
-
-/// Torque demands; none where no motion is seen.
-///
-/// The last demand, held for ever, would turn the drone over.
-pub fn rate_loop(
-    integrals: &RateState,
-    wanted: &Wanted,
-    rotation: &Rotation,
-    blind: bool,
-) -> TorqueDemand {
-    if blind {
-        return TorqueDemand::default();
-    }
-    let input = RateInput {
-        wanted: wanted.rates,
-        measured: rotation.rates,
-        acceleration: rotation.acceleration,
-    };
-    RATE_LAW.demand(integrals, &input)
-}
-
-/// The motor vector of a demand.
-pub fn mixed(torque: TorqueDemand, setpoint: &Setpoint) -> Mixed {
-    MIXER.mix(torque, setpoint.thrust)
 }
 
 impl ControlLogic for Cascade {

@@ -37,7 +37,6 @@ use crate::units::TorqueDemand;
 
 graph! {
     /// Cleanflight's Mahony filter, level mode, floating-point PID and air mode.
-    #[export_declaration]
     pub struct Cleanflight;
 
     /// Sums of the arrival stage since the last run.
@@ -56,86 +55,37 @@ graph! {
     input blind: bool, at 10 Hz, joins;
 
     /// The attitude estimate, and the gyroscope's bias.
-    state filter: MahonyFilter = advanced(&filter, &motion, heading, &last aim), clocked by motion;
+    state filter: MahonyFilter = filter.after(&motion, Evidence {
+        heading_error: heading,
+        standing: last aim.thrust.share() <= 0.0,
+    }), clocked by motion;
     /// Attitude, body to Earth.
-    node attitude: Quaternion = attitude_of(&filter);
+    node attitude: Quaternion = filter.attitude();
     /// Vertical acceleration.
     state climb: Climb = climbing(&climb, &motion, attitude), clocked by motion;
     /// Altitude and GPS hold.
-    state hold: Hold = held_at(&hold, goal, &place, &setpoint, &climb), clocked by place;
+    state hold: Hold = held(&hold, &Sight {
+        goal,
+        place,
+        thrust: setpoint.thrust,
+    }, &climb), clocked by place;
     /// Lean, heading, rates and thrust: the setpoint's or the hold's.
     node aim: Aim = aimed(&setpoint, goal, &hold, attitude);
     /// Desired rates.
     node wanted: Wanted = level(attitude, &aim);
     /// Integral terms of the rate PID.
-    state integrals: RateIntegrals = summed(
-        &integrals, &motion, &filter, &last wanted, &wanted, &last aim, &last command
-    ), clocked by motion;
+    state integrals: RateIntegrals = integrated(&integrals, &Stretch {
+        motion: &motion,
+        before: &last wanted,
+        after: &wanted,
+        correction: filter.correction(),
+        aim: &last aim,
+        down: filter.down_before(),
+    }, &last command), clocked by motion;
     /// What the rate PID asks for.
     node torque: TorqueDemand = demand(&integrals, &wanted, &rotation, &aim, blind);
     /// The motor vector.
-    output command: Mixed = mixed(torque, &aim);
-}
-
-/// The attitude filter after this motion.
-pub fn advanced(
-    filter: &MahonyFilter,
-    motion: &Increment,
-    heading: Option<f32>,
-    aim: &Aim,
-) -> MahonyFilter {
-    let evidence = Evidence {
-        heading_error: heading,
-        standing: aim.thrust.share() <= 0.0,
-    };
-    filter.after(motion, evidence)
-}
-
-/// The attitude that the filter estimates.
-pub fn attitude_of(filter: &MahonyFilter) -> Quaternion {
-    filter.attitude()
-}
-
-/// The hold after this place.
-pub fn held_at(
-    hold: &Hold,
-    goal: Option<Goal>,
-    place: &Place,
-    setpoint: &Setpoint,
-    climb: &Climb,
-) -> Hold {
-    let sight = Sight {
-        goal,
-        place: *place,
-        thrust: setpoint.thrust,
-    };
-    held(hold, &sight, climb)
-}
-
-/// The integral terms after this motion, and what was desired in it.
-pub fn summed(
-    integrals: &RateIntegrals,
-    motion: &Increment,
-    filter: &MahonyFilter,
-    before: &Wanted,
-    after: &Wanted,
-    aim: &Aim,
-    command: &Mixed,
-) -> RateIntegrals {
-    let stretch = Stretch {
-        motion,
-        before,
-        after,
-        correction: filter.correction(),
-        aim,
-        down: filter.down_before(),
-    };
-    integrated(integrals, &stretch, command)
-}
-
-/// The motor vector of a demand.
-pub fn mixed(torque: TorqueDemand, aim: &Aim) -> Mixed {
-    MIXER.mix_evenly(torque, aim.thrust)
+    output command: Mixed = MIXER.mix_evenly(torque, aim.thrust);
 }
 
 impl ControlLogic for Cleanflight {

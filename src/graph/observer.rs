@@ -11,12 +11,13 @@
 //! What the time that rare runs leave can buy: a model of the motors in the loop. `observed` holds
 //! what it cannot explain.
 
-pub use super::cascade::{advanced, attitude_loop, attitude_of, mixed};
 use super::{ControlLogic, standard_inputs};
-use crate::airframe::Mixed;
+use crate::airframe::{MIXER, Mixed};
 use crate::config::observer::RATE_D_CUTOFF;
 use crate::config::{CHIP_MAG, GYRO};
-use crate::control::{ObserverLaw, ObserverState, ObserverStretch, RateInput, Setpoint, Wanted};
+use crate::control::{
+    AttitudeLaw, ObserverLaw, ObserverState, ObserverStretch, RateInput, Setpoint, Wanted,
+};
 use crate::dataflow::graph;
 use crate::estimate::{AttitudeFilter, Increment, Rotation};
 use crate::math::{Quaternion, Vec3};
@@ -24,7 +25,6 @@ use crate::units::TorqueDemand;
 
 graph! {
     /// Attitude and rate loops in cascade, with a disturbance observer.
-    #[export_declaration]
     pub struct Observer;
 
     /// Sums of the arrival stage since the last run.
@@ -39,57 +39,30 @@ graph! {
     input blind: bool, at 10 Hz, joins;
 
     /// The attitude estimate.
-    state filter: AttitudeFilter = advanced(&filter, &motion, heading), clocked by motion;
+    state filter: AttitudeFilter = filter.stepped(&motion, heading), clocked by motion;
     /// Attitude, body to Earth.
-    node attitude: Quaternion = attitude_of(&filter);
+    node attitude: Quaternion = filter.attitude();
     /// What the attitude loop asks for.
-    node wanted: Wanted = attitude_loop(attitude, &setpoint);
+    node wanted: Wanted = ATTITUDE_LAW.wanted(attitude, &setpoint);
     /// What turns the body besides the motors.
-    state observed: ObserverState = observed_after(
-        &observed, &motion, &rotation, &last torque, &last command
-    ), clocked by motion;
-    /// What the rate loop asks for.
-    node torque: TorqueDemand = rate_loop(&observed, &wanted, &rotation, blind);
-    /// The motor vector.
-    output command: Mixed = mixed(torque, &setpoint);
-}
-
-const OBSERVER_LAW: ObserverLaw = ObserverLaw::CONFIGURED;
-
-/// What is known of disturbances after this motion, flown with the demand before.
-pub fn observed_after(
-    state: &ObserverState,
-    motion: &Increment,
-    rotation: &Rotation,
-    asked: &TorqueDemand,
-    command: &Mixed,
-) -> ObserverState {
-    let stretch = ObserverStretch {
-        asked: *asked,
+    state observed: ObserverState = OBSERVER_LAW.after(&observed, &ObserverStretch {
+        asked: last torque,
         rates: rotation.rates,
         dt: motion.dt,
-        saturated: command.saturated,
+        saturated: last command.saturated,
+    }), clocked by motion;
+    /// What the rate loop asks for; nothing while blind, as the last demand would turn the drone over.
+    node torque: TorqueDemand = if blind {
+        TorqueDemand::default()
+    } else {
+        OBSERVER_LAW.demand(&observed, &RateInput::of(wanted.rates, &rotation))
     };
-    OBSERVER_LAW.after(state, &stretch)
+    /// The motor vector.
+    output command: Mixed = MIXER.mix(torque, setpoint.thrust);
 }
 
-/// Torque demands; none where no motion is seen.
-pub fn rate_loop(
-    observed: &ObserverState,
-    wanted: &Wanted,
-    rotation: &Rotation,
-    blind: bool,
-) -> TorqueDemand {
-    if blind {
-        return TorqueDemand::default();
-    }
-    let input = RateInput {
-        wanted: wanted.rates,
-        measured: rotation.rates,
-        acceleration: rotation.acceleration,
-    };
-    OBSERVER_LAW.demand(observed, &input)
-}
+const ATTITUDE_LAW: AttitudeLaw = AttitudeLaw::CONFIGURED;
+const OBSERVER_LAW: ObserverLaw = ObserverLaw::CONFIGURED;
 
 impl ControlLogic for Observer {
     standard_inputs!("observer", RATE_D_CUTOFF);

@@ -35,7 +35,6 @@ use crate::units::{BodyRates, TorqueDemand};
 
 graph! {
     /// Attitude PI, rate PID, path follower, on a filter that learns the bias.
-    #[export_declaration]
     pub struct OpenPilot;
 
     /// Sums of the arrival stage since the last run.
@@ -54,61 +53,39 @@ graph! {
     input blind: bool, at 10 Hz, joins;
 
     /// The estimate of attitude and gyroscope bias.
-    state filter: OpenPilotFilter = advanced(&filter, &motion, heading), clocked by motion;
+    state filter: OpenPilotFilter = filter.stepped(&motion, heading), clocked by motion;
     /// Attitude, body to Earth.
-    node attitude: Quaternion = attitude_of(&filter);
+    node attitude: Quaternion = filter.attitude();
     /// Integral terms of position and altitude loops.
-    state path: PathState = followed(&path, &place, &goal, &last target), clocked by place;
+    state path: PathState = PathFollower.after(
+        &path, &place, goal.as_ref(), last target.thrust
+    ), clocked by place;
     /// The setpoint in force: the goal's, where there is one, else the outside's.
-    node target: Setpoint = target_of(&setpoint, &goal, &place, &path);
+    node target: Setpoint = goal
+        .and_then(|flown_to| PathFollower.setpoint(&path, &place, &flown_to))
+        .unwrap_or(setpoint);
     /// Integral terms of attitude and rate loops.
     state integrals: Integrals = integrated(
         &integrals, &motion, &last filter, &filter, &last target, &rotation
     ), clocked by motion;
     /// What the attitude loop asks for.
-    node wanted: BodyRates = attitude_loop(attitude, &integrals, &target);
-    /// What the rate loop asks for.
-    node torque: TorqueDemand = rate_loop(&integrals, wanted, &rotation, &filter, blind);
+    node wanted: BodyRates = LAW.wanted(
+        &AttitudeError::of(attitude, &target), &integrals, &target
+    );
+    /// What the rate loop asks for; nothing while blind, as the last demand would turn the drone over.
+    node torque: TorqueDemand = if blind {
+        TorqueDemand::default()
+    } else {
+        LAW.demand(&integrals, &RateInput {
+            measured: filter.unbiased(rotation.rates),
+            ..RateInput::of(wanted, &rotation)
+        })
+    };
     /// The motor vector.
-    output command: Mixed = mixed(torque, &target);
+    output command: Mixed = MIXER.mix(torque, target.thrust);
 }
 
 const LAW: Stabilization = Stabilization::CONFIGURED;
-
-/// The estimate after this motion.
-pub fn advanced(
-    filter: &OpenPilotFilter,
-    motion: &Increment,
-    heading: Option<f32>,
-) -> OpenPilotFilter {
-    filter.stepped(motion, heading)
-}
-
-/// The attitude that the filter estimates.
-pub fn attitude_of(filter: &OpenPilotFilter) -> Quaternion {
-    filter.attitude()
-}
-
-/// The path follower after a new place.
-pub fn followed(
-    path: &PathState,
-    place: &Place,
-    goal: &Option<Goal>,
-    target: &Setpoint,
-) -> PathState {
-    PathFollower.after(path, place, goal.as_ref(), target.thrust)
-}
-
-/// The goal's setpoint, else the one from outside.
-pub fn target_of(
-    setpoint: &Setpoint,
-    goal: &Option<Goal>,
-    place: &Place,
-    path: &PathState,
-) -> Setpoint {
-    goal.and_then(|goal| PathFollower.setpoint(path, place, &goal))
-        .unwrap_or(*setpoint)
-}
 
 /// The integrals after this motion, which was flown with the setpoint before.
 pub fn integrated(
@@ -133,37 +110,6 @@ pub fn integrated(
         measured: after.unbiased(rotation.rates),
     };
     LAW.after(integrals, target, &stretch)
-}
-
-/// Desired rates of an attitude.
-pub fn attitude_loop(attitude: Quaternion, integrals: &Integrals, target: &Setpoint) -> BodyRates {
-    LAW.wanted(&AttitudeError::of(attitude, target), integrals, target)
-}
-
-/// Torque demands; none where no motion is seen.
-///
-/// The last demand, held for ever, would turn the drone over.
-pub fn rate_loop(
-    integrals: &Integrals,
-    wanted: BodyRates,
-    rotation: &Rotation,
-    filter: &OpenPilotFilter,
-    blind: bool,
-) -> TorqueDemand {
-    if blind {
-        return TorqueDemand::default();
-    }
-    let input = RateInput {
-        wanted,
-        measured: filter.unbiased(rotation.rates),
-        acceleration: rotation.acceleration,
-    };
-    LAW.demand(integrals, &input)
-}
-
-/// The motor vector of a demand.
-pub fn mixed(torque: TorqueDemand, target: &Setpoint) -> Mixed {
-    MIXER.mix(torque, target.thrust)
 }
 
 impl ControlLogic for OpenPilot {

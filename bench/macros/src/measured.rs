@@ -6,13 +6,12 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::{mark, start};
-use crate::graph::{Argument, Value};
-use crate::plan::Plan;
+use reflex_dataflow_language::code::{default, given_params, mark, start};
+use reflex_dataflow_language::{Plan, Read, Value};
 
 /// Marks of all values.
 fn marks(plan: &Plan) -> TokenStream {
-    let marks = (0u32..).zip(&plan.graph.values).map(|(number, value)| {
+    let marks = (0u32..).zip(plan.marked()).map(|(number, value)| {
         let mark = mark(&value.name);
         quote! {
             const #mark: ::reflex::dataflow::Dirty = ::reflex::dataflow::Dirty::bit(#number);
@@ -92,10 +91,10 @@ pub fn keep_before(plan: &Plan) -> TokenStream {
     quote!(#(#keep)*)
 }
 
-/// Where an argument is found, in a graph that keeps what was before.
-pub fn place(value: &Value, argument: &Argument) -> TokenStream {
-    let name = &argument.name;
-    if argument.last || (*name == value.name && value.clock().is_some()) {
+/// Where a value is found, in a graph that keeps what was before.
+pub fn place(value: &Value, read: &Read) -> TokenStream {
+    let name = &read.name;
+    if read.last || (*name == value.name && value.clock().is_some()) {
         let before = format_ident!("before_{}", name);
         quote!(self.#before)
     } else {
@@ -118,6 +117,7 @@ pub fn of_tables(plan: &Plan, tables: &Tables) -> TokenStream {
     let (attributes, visibility) = (&plan.graph.attributes, &plan.graph.visibility);
     let name = &plan.graph.name;
     let (values, start, literal) = (fields(plan), start(plan), literal(plan));
+    let (given, default) = (given_params(plan), default(plan));
     let common = [marks(plan), setters(plan), getters(plan)];
     let Tables {
         fields,
@@ -136,7 +136,7 @@ pub fn of_tables(plan: &Plan, tables: &Tables) -> TokenStream {
         #[allow(missing_docs)]
         impl #name {
             #[must_use]
-            pub fn new() -> Self {
+            pub fn new(#given) -> Self {
                 #start
                 Self {
                     #literal
@@ -148,8 +148,6 @@ pub fn of_tables(plan: &Plan, tables: &Tables) -> TokenStream {
             #methods
         }
 
-        impl ::core::default::Default for #name {
-            fn default() -> Self { Self::new() }
-        }
+        #default
     }
 }

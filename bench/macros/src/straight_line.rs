@@ -5,9 +5,10 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::{call, measured, start};
-use crate::graph::{Computed, Value};
-use crate::plan::Plan;
+use reflex_dataflow_language::code::{default, given_params, start};
+use reflex_dataflow_language::{Computed, Plan, Value};
+
+use crate::measured;
 
 /// The graph's type and its methods.
 pub fn graph(plan: &Plan) -> TokenStream {
@@ -23,7 +24,7 @@ pub fn graph(plan: &Plan) -> TokenStream {
         let (name, of_type) = (&value.name, &value.of_type);
         quote!(#name: #of_type)
     });
-    let start = start(plan);
+    let (given, start, default) = (given_params(plan), start(plan), default(plan));
     let names = kept().map(|value| &value.name);
     let setters = plan.inputs().map(|value| {
         let (name, of_type) = (&value.name, &value.of_type);
@@ -48,7 +49,7 @@ pub fn graph(plan: &Plan) -> TokenStream {
         #[allow(missing_docs)]
         impl #name {
             #[must_use]
-            pub fn new() -> Self {
+            pub fn new(#given) -> Self {
                 #start
                 Self { #(#names,)* }
             }
@@ -60,13 +61,11 @@ pub fn graph(plan: &Plan) -> TokenStream {
             }
         }
 
-        impl ::core::default::Default for #name {
-            fn default() -> Self { Self::new() }
-        }
+        #default
     }
 }
 
-/// Inputs, states, outputs, and what a state reads of the step before.
+/// Parameters, inputs, states, outputs, and what a state reads of the step before.
 fn is_kept(plan: &Plan, value: &Value) -> bool {
     value.computed().is_none()
         || value.clock().is_some()
@@ -76,14 +75,14 @@ fn is_kept(plan: &Plan, value: &Value) -> bool {
 
 fn step(plan: &Plan, value: &Value, computed: &Computed) -> TokenStream {
     let (name, of_type) = (&value.name, &value.of_type);
-    let call = call(computed, |argument| {
-        let read = &argument.name;
-        let is_input = plan.value(read).input().is_some();
-        if is_input || argument.last || read == name {
-            quote!(self.#read)
+    let expression = computed.expression.with(|read| {
+        let found = &read.name;
+        let is_computed = plan.value(found).computed().is_some();
+        if !is_computed || read.last || found == name {
+            quote!(self.#found)
         } else {
-            quote!(#read)
+            quote!(#found)
         }
     });
-    quote!(let #name: #of_type = #call;)
+    quote!(let #name: #of_type = #expression;)
 }

@@ -4,18 +4,25 @@ use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 use syn::{Attribute, Expr, ExprLit, Lit, Meta};
 
-use super::{constants, mark};
-use crate::graph::{Computed, Kind, Source, Value};
-use crate::plan::Plan;
+use reflex_dataflow_language::code::mark;
+use reflex_dataflow_language::{Computed, Kind, Plan, Value};
+
+use crate::constants;
 
 /// The constant `DESCRIPTION` of the graph's type.
 pub fn of_type(plan: &Plan) -> TokenStream {
     let name = plan.graph.name.to_string();
     let doc = first_line(&plan.graph.attributes);
-    let inputs = plan.inputs();
-    let values = inputs
-        .chain(plan.computed().map(|(value, _)| value))
-        .map(|value| described(plan, value));
+    let inputs = plan.inputs().filter_map(|value| {
+        let input = value.input()?;
+        let (gates, triggers) = (constants::gates(input), input.triggers);
+        let source = quote!(Input { gates: #gates, triggers: #triggers });
+        Some(described(plan, value, &source))
+    });
+    let computed = plan
+        .computed()
+        .map(|(value, computed)| described(plan, value, &of_computed(plan, computed)));
+    let values = inputs.chain(computed);
     quote! {
         /// The graph as data: inputs first, then each value behind all that it reads.
         pub const DESCRIPTION: ::reflex::dataflow::Description =
@@ -28,18 +35,11 @@ pub fn of_type(plan: &Plan) -> TokenStream {
     }
 }
 
-fn described(plan: &Plan, value: &Value) -> TokenStream {
+fn described(plan: &Plan, value: &Value, source: &TokenStream) -> TokenStream {
     let name = value.name.to_string();
     let doc = first_line(&value.docs);
     let of_type = words(&value.of_type);
     let (mark, rate) = (mark(&value.name), constants::rate(plan, value));
-    let source = match &value.source {
-        Source::Input(input) => {
-            let (gates, triggers) = (constants::gates(input), input.triggers);
-            quote!(Input { gates: #gates, triggers: #triggers })
-        }
-        Source::Computed(computed) => of_computed(computed),
-    };
     quote! {
         ::reflex::dataflow::Described {
             name: #name,
@@ -52,7 +52,7 @@ fn described(plan: &Plan, value: &Value) -> TokenStream {
     }
 }
 
-fn of_computed(computed: &Computed) -> TokenStream {
+fn of_computed(plan: &Plan, computed: &Computed) -> TokenStream {
     let kind = match &computed.kind {
         Kind::State { clock } => {
             let clock = clock.to_string();
@@ -61,9 +61,12 @@ fn of_computed(computed: &Computed) -> TokenStream {
         Kind::Node => quote!(Node),
         Kind::Output => quote!(Output),
     };
-    let function = words(&computed.function);
-    let reads = computed.arguments.iter().map(|argument| {
-        let (name, last) = (argument.name.to_string(), argument.last);
+    let function = words(&computed.expression.function());
+    let reads = computed
+        .reads()
+        .filter(|it| !plan.value(&it.name).is_param());
+    let reads = reads.map(|read| {
+        let (name, last) = (read.name.to_string(), read.last);
         quote!(::reflex::dataflow::Read { name: #name, last: #last })
     });
     let quantum = match &computed.quantum {

@@ -7,10 +7,10 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::measured::{self, Tables};
-use super::{call, differs, mark};
-use crate::graph::{Computed, Value};
-use crate::plan::Plan;
+use reflex_dataflow_language::code::{differs, mark};
+use reflex_dataflow_language::{Computed, Plan, Value};
+
+use crate::measured::{self, Tables};
 
 /// The graph's type and its methods.
 pub fn graph(plan: &Plan) -> TokenStream {
@@ -77,11 +77,13 @@ fn propagate(plan: &Plan) -> TokenStream {
 fn update(value: &Value, computed: &Computed) -> TokenStream {
     let name = &value.name;
     let update = format_ident!("update_{}", name);
-    let call = call(computed, |argument| measured::place(value, argument));
+    let expression = computed
+        .expression
+        .with(|read| measured::place(value, read));
     let differs = differs(computed, &quote!(new), &quote!(self.#name));
     quote! {
         fn #update(&mut self) -> bool {
-            let new = #call;
+            let new = #expression;
             let differs = #differs;
             if differs {
                 self.#name = new;

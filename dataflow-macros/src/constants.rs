@@ -4,13 +4,12 @@ use proc_macro2::{Span, TokenStream};
 use quote::{quote, quote_spanned};
 use syn::spanned::Spanned;
 
-use super::mark;
-use crate::graph::{Gates, Input, Rate, Value};
-use crate::plan::Plan;
+use reflex_dataflow_language::code::mark;
+use reflex_dataflow_language::{Gates, Input, Plan, Rate, Value};
 
 /// Constants of the graph's type.
 pub fn of_type(plan: &Plan) -> TokenStream {
-    let marks = (0u32..).zip(&plan.graph.values).map(|(number, value)| {
+    let marks = (0u32..).zip(plan.marked()).map(|(number, value)| {
         let mark = mark(&value.name);
         let doc = format!("The mark of `{}`.", value.name);
         quote! {

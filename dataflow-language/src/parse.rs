@@ -1,23 +1,30 @@
 //! From tokens to a [`Graph`]: every error points at the word that is wrong.
 
-use proc_macro2::Ident;
+use proc_macro2::{Ident, TokenStream};
 use syn::ext::IdentExt;
 use syn::parse::{Parse, ParseStream};
-use syn::punctuated::Punctuated;
-use syn::{Attribute, Error, Expr, Lit, Result, Token, Type, parenthesized};
+use syn::{Attribute, Error, Expr, Lit, Result, Token, Type, parse2};
 
-use crate::graph::{Argument, Computed, Gates, Graph, Input, Kind, Rate, Source, Value};
+use crate::expression::{Expression, with_last_as_one_word};
+use crate::graph::{Computed, Gates, Graph, Input, Kind, Param, Rate, Source, Value};
 
-const LINES: &str = "a line declares an `input`, a `state`, a `node` or an `output`";
+const LINES: &str = "a line declares a `param`, an `input`, a `state`, a `node` or an `output`";
 const CLAUSES: &str = "known are `at NUMBER Hz`, `every PERIOD`, `gates`, `gates if CONSTANT`, \
     `triggers`, `joins`, `clocked by INPUT`, `quantum SIZE`, `starting VALUE`";
 
+impl Graph {
+    /// A declaration from its tokens.
+    ///
+    /// # Errors
+    /// The first word that is no part of the language.
+    pub fn parse(tokens: TokenStream) -> Result<Self> {
+        parse2(with_last_as_one_word(tokens))
+    }
+}
+
 impl Parse for Graph {
     fn parse(stream: ParseStream) -> Result<Self> {
-        let mut attributes = stream.call(Attribute::parse_outer)?;
-        let all = attributes.len();
-        attributes.retain(|attribute| !attribute.path().is_ident("export_declaration"));
-        let exported = attributes.len() < all;
+        let attributes = stream.call(Attribute::parse_outer)?;
         let visibility = stream.parse()?;
         stream.parse::<Token![struct]>()?;
         let name = stream.parse()?;
@@ -28,7 +35,6 @@ impl Parse for Graph {
         }
         Ok(Self {
             attributes,
-            exported,
             visibility,
             name,
             values,
@@ -44,9 +50,16 @@ impl Parse for Value {
         let name: Ident = stream.parse()?;
         stream.parse::<Token![:]>()?;
         let of_type: Type = stream.parse()?;
-        let call = match line {
-            Line::Input => None,
-            Line::State | Line::Node | Line::Output => Some(Call::parse(stream)?),
+        let has_expression = match line {
+            Line::Input => false,
+            Line::Param => stream.peek(Token![=]),
+            Line::State | Line::Node | Line::Output => true,
+        };
+        let expression = if has_expression {
+            stream.parse::<Token![=]>()?;
+            Some(stream.parse()?)
+        } else {
+            None
         };
         let mut clauses = Clauses::default();
         while stream.peek(Token![,]) {
@@ -54,13 +67,14 @@ impl Parse for Value {
             clauses.parse(stream)?;
         }
         stream.parse::<Token![;]>()?;
-        clauses.finish(line, docs, name, of_type, call)
+        clauses.finish(line, docs, name, of_type, expression)
     }
 }
 
 /// What a line declares.
 #[derive(Clone, Copy, PartialEq)]
 enum Line {
+    Param,
     Input,
     State,
     Node,
@@ -70,6 +84,7 @@ enum Line {
 impl Line {
     fn of(keyword: &Ident) -> Result<Self> {
         match keyword.to_string().as_str() {
+            "param" => Ok(Self::Param),
             "input" => Ok(Self::Input),
             "state" => Ok(Self::State),
             "node" => Ok(Self::Node),
@@ -83,6 +98,7 @@ impl Line {
 
     fn word(self) -> &'static str {
         match self {
+            Self::Param => "a parameter",
             Self::Input => "an input",
             Self::State => "a state",
             Self::Node => "a node",
@@ -95,51 +111,10 @@ impl Line {
         match clause {
             "at" | "every" | "gates" | "triggers" | "joins" => self == Self::Input,
             "clocked" => self == Self::State,
-            "quantum" => self != Self::Input,
+            "quantum" => matches!(self, Self::State | Self::Node | Self::Output),
             "starting" => matches!(self, Self::Input | Self::State),
             _ => false,
         }
-    }
-}
-
-/// `= FUNCTION(ARGUMENTS)`
-struct Call {
-    function: syn::Path,
-    arguments: Vec<Argument>,
-}
-
-impl Call {
-    fn parse(stream: ParseStream) -> Result<Self> {
-        stream.parse::<Token![=]>()?;
-        let function = stream.parse()?;
-        let content;
-        parenthesized!(content in stream);
-        let arguments = Punctuated::<Argument, Token![,]>::parse_terminated(&content)?;
-        Ok(Self {
-            function,
-            arguments: arguments.into_iter().collect(),
-        })
-    }
-}
-
-impl Parse for Argument {
-    fn parse(stream: ParseStream) -> Result<Self> {
-        let by_reference = stream.parse::<Option<Token![&]>>()?.is_some();
-        let mut name: Ident = stream.parse().map_err(|error| {
-            Error::new(
-                error.span(),
-                "an argument is the name of a value, `&NAME`, `last NAME` or `&last NAME`",
-            )
-        })?;
-        let last = name == "last" && stream.peek(syn::Ident);
-        if last {
-            name = stream.parse()?;
-        }
-        Ok(Self {
-            name,
-            by_reference,
-            last,
-        })
     }
 }
 
@@ -193,7 +168,7 @@ impl Clauses {
         docs: Vec<Attribute>,
         name: Ident,
         of_type: Type,
-        call: Option<Call>,
+        expression: Option<Expression>,
     ) -> Result<Value> {
         for clause in &self.seen {
             if !line.knows(&clause.to_string()) {
@@ -202,9 +177,14 @@ impl Clauses {
             }
         }
         let starting = self.starting.clone();
-        let source = match call {
-            None => Source::Input(self.input(&name)?),
-            Some(call) => Source::Computed(Box::new(self.computed(line, &name, call)?)),
+        let source = match (line, expression) {
+            (Line::Param, made_of) => Source::Param(Param {
+                made_of: made_of.map(Box::new),
+            }),
+            (_, None) => Source::Input(self.input(&name)?),
+            (_, Some(expression)) => {
+                Source::Computed(Box::new(self.computed(line, &name, expression)?))
+            }
         };
         Ok(Value {
             docs,
@@ -238,7 +218,7 @@ impl Clauses {
         })
     }
 
-    fn computed(self, line: Line, name: &Ident, call: Call) -> Result<Computed> {
+    fn computed(self, line: Line, name: &Ident, expression: Expression) -> Result<Computed> {
         let kind = match (line, self.clock) {
             (Line::State, Some(clock)) => Kind::State { clock },
             (Line::State, None) => {
@@ -250,8 +230,7 @@ impl Clauses {
         };
         Ok(Computed {
             kind,
-            function: call.function,
-            arguments: call.arguments,
+            expression,
             quantum: self.quantum,
         })
     }

@@ -7,17 +7,17 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::measured::{self, Tables};
-use super::{call, differs, mark};
-use crate::graph::{Computed, Value};
-use crate::plan::Plan;
+use reflex_dataflow_language::code::{differs, mark};
+use reflex_dataflow_language::{Computed, Plan, Value};
+
+use crate::measured::{self, Tables};
 
 /// The graph's type and its methods.
 pub fn graph(plan: &Plan) -> TokenStream {
     let callbacks = plan.computed().map(|(value, it)| callback(plan, value, it));
-    let values = plan.graph.values.iter();
+    let values = plan.marked();
     let subscribers = values.map(|value| subscribers(plan, value));
-    let (count, propagate) = (plan.graph.values.len(), propagate(plan));
+    let (count, propagate) = (plan.marked().count(), propagate(plan));
     let tables = Tables {
         fields: quote! {
             subscribers: [&'static [fn(&mut Self)]; #count],
@@ -46,7 +46,7 @@ pub fn graph(plan: &Plan) -> TokenStream {
 fn propagate(plan: &Plan) -> TokenStream {
     let keep = measured::keep_before(plan);
     let tell = plan.inputs().map(|value| {
-        let (mark, place) = (mark(&value.name), plan.place(&value.name));
+        let (mark, place) = (mark(&value.name), number(plan, value));
         quote!(if ticked.any(Self::#mark) { Self::tell(self.subscribers[#place], self); })
     });
     quote! {
@@ -60,9 +60,11 @@ fn propagate(plan: &Plan) -> TokenStream {
 }
 
 fn callback(plan: &Plan, value: &Value, computed: &Computed) -> TokenStream {
-    let (name, place) = (&value.name, plan.place(&value.name));
+    let (name, place) = (&value.name, number(plan, value));
     let callback = format_ident!("on_{}", name);
-    let call = call(computed, |argument| measured::place(value, argument));
+    let expression = computed
+        .expression
+        .with(|read| measured::place(value, read));
     let differs = differs(computed, &quote!(new), &quote!(self.#name));
     let waits = value.clock().map(|clock| {
         let clock = mark(clock);
@@ -71,7 +73,7 @@ fn callback(plan: &Plan, value: &Value, computed: &Computed) -> TokenStream {
     quote! {
         fn #callback(&mut self) {
             #waits
-            let new = #call;
+            let new = #expression;
             if #differs {
                 self.#name = new;
                 Self::tell(self.subscribers[#place], self);
@@ -80,12 +82,18 @@ fn callback(plan: &Plan, value: &Value, computed: &Computed) -> TokenStream {
     }
 }
 
+/// The place of a value among those that have subscribers.
+fn number(plan: &Plan, of: &Value) -> usize {
+    plan.marked().take_while(|it| it.name != of.name).count()
+}
+
 /// The callbacks of everything that reads a value as it is now, or is clocked by it.
 fn subscribers(plan: &Plan, of: &Value) -> TokenStream {
     let callbacks = plan.computed().filter(|(value, computed)| {
-        let reads = computed.arguments.iter().any(|argument| {
-            argument.name == of.name && !argument.last && argument.name != value.name
-        });
+        let own = of.name == value.name;
+        let reads = computed
+            .reads()
+            .any(|it| it.name == of.name && !it.last && !own);
         reads || value.clock() == Some(&of.name)
     });
     let callbacks = callbacks.map(|(value, _)| format_ident!("on_{}", value.name));

@@ -5,15 +5,17 @@ use std::collections::{BTreeMap, BTreeSet};
 use proc_macro2::Ident;
 use syn::{Error, Result};
 
-use crate::graph::{Argument, Computed, Gates, Graph, Rate, Source, Value};
+use crate::expression::Expression;
+use crate::graph::{Computed, Gates, Graph, Rate, Value};
 
 /// As many values as fit the word of dirty marks.
 const MOST_VALUES: usize = 32;
 
 /// A checked graph.
 pub struct Plan<'a> {
+    /// What was declared.
     pub graph: &'a Graph,
-    /// Places in `graph.values` of the computed values, each behind all that it reads.
+    /// Places in `graph.values` of the values with an expression, each behind all that it reads.
     order: Vec<usize>,
     places: BTreeMap<String, usize>,
 }
@@ -45,6 +47,27 @@ impl<'a> Plan<'a> {
         self.graph.values.iter().filter(|it| it.input().is_some())
     }
 
+    /// The parameters, each behind those that it is made of.
+    pub fn params(&self) -> impl Iterator<Item = &'a Value> {
+        let given = self.graph.values.iter();
+        let given = given.filter(|it| it.is_param() && it.expression().is_none());
+        given.chain(self.made_params().map(|(value, _)| value))
+    }
+
+    /// The parameters that are made of others, in an order in which they can be.
+    pub fn made_params(&self) -> impl Iterator<Item = (&'a Value, &'a Expression)> {
+        self.order.iter().filter_map(|place| {
+            let value = &self.graph.values[*place];
+            let made_of = value.expression().filter(|_| value.is_param());
+            made_of.map(|made_of| (value, made_of))
+        })
+    }
+
+    /// The values that a change can reach, in the order of the lines: each has a mark.
+    pub fn marked(&self) -> impl Iterator<Item = &'a Value> {
+        self.graph.values.iter().filter(|it| !it.is_param())
+    }
+
     /// The computed values, each behind all that it reads.
     pub fn computed(&self) -> impl Iterator<Item = (&'a Value, &'a Computed)> {
         self.order.iter().filter_map(|place| {
@@ -64,17 +87,17 @@ impl<'a> Plan<'a> {
     }
 
     /// The values whose change makes another one run: its clock, or else all that it reads.
+    ///
+    /// A parameter makes none run.
     pub fn wakes(&self, value: &'a Value) -> Vec<&'a Value> {
         let names: Vec<&Ident> = match (value.clock(), value.computed()) {
             (Some(clock), _) => vec![clock],
-            (None, Some(computed)) => computed.arguments.iter().map(|it| &it.name).collect(),
+            (None, Some(computed)) => computed.reads().map(|it| &it.name).collect(),
             (None, None) => Vec::new(),
         };
         let places: BTreeSet<usize> = names.into_iter().map(|name| self.place(name)).collect();
-        places
-            .into_iter()
-            .map(|place| &self.graph.values[place])
-            .collect()
+        let values = places.into_iter().map(|place| &self.graph.values[place]);
+        values.filter(|value| !value.is_param()).collect()
     }
 
     /// The inputs that can, through others, make a value run.
@@ -94,9 +117,9 @@ impl<'a> Plan<'a> {
         let mut needed = BTreeSet::new();
         while let Some(place) = waiting.pop() {
             if needed.insert(place)
-                && let Some(computed) = self.graph.values[place].computed()
+                && let Some(expression) = self.graph.values[place].expression()
             {
-                waiting.extend(computed.arguments.iter().map(|it| self.place(&it.name)));
+                waiting.extend(expression.reads.iter().map(|it| self.place(&it.name)));
                 let clock = self.graph.values[place].clock();
                 waiting.extend(clock.map(|clock| self.place(clock)));
             }
@@ -119,7 +142,7 @@ impl<'a> Plan<'a> {
     /// True where a state reads this value as it was before the run.
     pub fn is_remembered(&self, name: &Ident) -> bool {
         self.computed()
-            .any(|(_, it)| it.arguments.iter().any(|it| it.last && it.name == *name))
+            .any(|(_, it)| it.reads().any(|it| it.last && it.name == *name))
     }
 
     /// True where the input advances a state: then the same value is a new sample.
@@ -128,33 +151,32 @@ impl<'a> Plan<'a> {
     }
 
     fn check_names(&self, value: &Value) -> Result<()> {
-        let Some(computed) = value.computed() else {
+        let Some(expression) = value.expression() else {
             return Ok(());
         };
-        if computed.arguments.is_empty() {
-            let message = format!(
-                "`{}` reads nothing: what never changes belongs into a `const`",
-                value.name
-            );
+        for read in &expression.reads {
+            self.check_declared(&read.name)?;
+        }
+        if let Some(name) = expression.bound.iter().find(|it| self.is_declared(it)) {
+            let message =
+                format!("`{name}` names a value of the graph: call it something else here");
+            return Err(Error::new(name.span(), message));
+        }
+        if value.is_param() {
+            return self.check_made(value, expression);
+        }
+        let mut reads = expression.reads.iter();
+        if reads.all(|read| self.value(&read.name).is_param()) {
+            let message = if expression.reads.is_empty() {
+                "reads nothing: what never changes belongs into a `const`"
+            } else {
+                "reads parameters alone: what is made of them is a `param` too"
+            };
+            let message = format!("`{}` {message}", value.name);
             return Err(Error::new(value.name.span(), message));
         }
-        for argument in &computed.arguments {
-            self.check_declared(&argument.name)?;
-            if argument.last && value.clock().is_none() {
-                let message = format!(
-                    "only a state may read `last {0}`: in `{1}` it would be memory without a clock",
-                    argument.name, value.name
-                );
-                return Err(Error::new(argument.name.span(), message));
-            }
-        }
-        let mut read_before = computed.arguments.iter().filter(|it| it.last);
-        if let Some(argument) = read_before.find(|it| self.value(&it.name).input().is_some()) {
-            let message = format!(
-                "`last {0}` is not kept, `{0}` is an input: let a state remember it",
-                argument.name
-            );
-            return Err(Error::new(argument.name.span(), message));
+        for read in expression.reads.iter().filter(|read| read.last) {
+            self.check_last(value, &read.name)?;
         }
         match value.clock() {
             Some(clock) => self.check_clock(clock),
@@ -162,8 +184,42 @@ impl<'a> Plan<'a> {
         }
     }
 
+    /// A parameter is made of parameters.
+    fn check_made(&self, value: &Value, made_of: &Expression) -> Result<()> {
+        let mut reads = made_of.reads.iter();
+        let Some(read) = reads.find(|it| it.last || !self.value(&it.name).is_param()) else {
+            return Ok(());
+        };
+        let message = format!(
+            "parameter `{}` is made of other parameters alone, and `{}` is none",
+            value.name, read.name
+        );
+        Err(Error::new(read.name.span(), message))
+    }
+
+    /// What was is read by states alone, and kept of computed values alone.
+    fn check_last(&self, value: &Value, name: &Ident) -> Result<()> {
+        let message = if value.clock().is_none() {
+            format!(
+                "only a state may read `last {name}`: in `{}` it would be memory without a clock",
+                value.name
+            )
+        } else if self.value(name).input().is_some() {
+            format!("`last {name}` is not kept, `{name}` is an input: let a state remember it")
+        } else if self.value(name).is_param() {
+            format!("`last {name}` is not kept, `{name}` is a parameter: no run changes it")
+        } else {
+            return Ok(());
+        };
+        Err(Error::new(name.span(), message))
+    }
+
+    fn is_declared(&self, name: &Ident) -> bool {
+        self.places.contains_key(&name.to_string())
+    }
+
     fn check_declared(&self, name: &Ident) -> Result<()> {
-        if self.places.contains_key(&name.to_string()) {
+        if self.is_declared(name) {
             return Ok(());
         }
         let known: Vec<String> = self
@@ -196,7 +252,7 @@ impl<'a> Plan<'a> {
     fn ordered(&self) -> Result<Vec<usize>> {
         let values = &self.graph.values;
         let mut ready: BTreeSet<usize> = (0..values.len())
-            .filter(|place| values[*place].input().is_some())
+            .filter(|place| values[*place].expression().is_none())
             .collect();
         let mut order = Vec::new();
         while ready.len() < values.len() {
@@ -214,18 +270,11 @@ impl<'a> Plan<'a> {
     /// Places of the values that must be computed before this one.
     fn read_now(&self, place: usize) -> BTreeSet<usize> {
         let value = &self.graph.values[place];
-        let Source::Computed(computed) = &value.source else {
-            return BTreeSet::new();
-        };
-        let read_now = |argument: &&Argument| {
-            let own = value.clock().is_some() && argument.name == value.name;
-            !argument.last && !own
-        };
-        computed
-            .arguments
-            .iter()
-            .filter(read_now)
-            .map(|argument| self.place(&argument.name))
+        let reads = value.expression().into_iter().flat_map(|it| &it.reads);
+        let own = |name: &Ident| value.clock().is_some() && *name == value.name;
+        reads
+            .filter(|read| !read.last && !own(&read.name))
+            .map(|read| self.place(&read.name))
             .collect()
     }
 
@@ -305,8 +354,9 @@ fn places(graph: &Graph) -> Result<BTreeMap<String, usize>> {
             return Err(error);
         }
     }
-    if let Some(value) = graph.values.get(MOST_VALUES) {
-        let message = format!("more than {MOST_VALUES} values: split the graph");
+    let mut marked = graph.values.iter().filter(|it| !it.is_param());
+    if let Some(value) = marked.nth(MOST_VALUES) {
+        let message = format!("more than {MOST_VALUES} values that change: split the graph");
         return Err(Error::new(value.name.span(), message));
     }
     Ok(places)
