@@ -9,7 +9,7 @@ mod openpilot;
 mod place;
 
 pub use arrival::{Arrival, Increment, Motion, Rotation};
-pub use attitude::AttitudeFilter;
+pub use attitude::{AttitudeFilter, Corrections};
 pub use calibration::{AtRest, GyroCalibration};
 pub use mahony::{Evidence, MahonyFilter};
 pub use openpilot::{OpenPilotFilter, Turned};

@@ -1,46 +1,33 @@
 //! Control logics as dataflow graphs, a page each, and what all of them are asked.
 //!
-//! A new logic is a page here, its gains in `config/logics/` with their table in `config/src/`,
-//! and two lines below.
+//! The list of them is `settings/src/logics.rs`; it makes a module of each page here.
 
-pub mod arducopter;
-pub mod cascade;
-pub mod cleanflight;
 mod logic;
-pub mod observer;
-pub mod openpilot;
 #[cfg(test)]
 mod testing;
 
-pub use arducopter::ArduCopter;
-pub use cascade::Cascade;
-pub use cleanflight::Cleanflight;
-pub use logic::ControlLogic;
-pub use observer::Observer;
-pub use openpilot::OpenPilot;
+pub use logic::{ControlLogic, Tuned};
 
-use logic::{place_inputs, standard_inputs};
+use logic::{place_inputs, standard_inputs, tuned};
 
 use crate::config::HYPERPERIOD;
+
+/// A module and a type for each page, and the one that is flown.
+macro_rules! pages {
+    ($($(#[$doc:meta])* $module:ident: $name:literal, $Logic:ident;)*) => {$(
+        pub mod $module;
+        pub use $module::$Logic;
+
+        /// The control logic that `config/selection.toml` names.
+        #[cfg(logic = $name)]
+        pub type Flown = $Logic;
+    )*};
+}
+
+reflex_settings::control_logics!(pages);
 
 // What gates the graph gates the hyperperiod of the whole autopilot, in which others may too.
 const _: () = assert!(
     Flown::HYPERPERIOD > 0 && HYPERPERIOD.ticks() % Flown::HYPERPERIOD == 0,
     "an input gates the control logic, but not the hyperperiod of config/reactive.toml"
 );
-
-/// The control logic that `config/selection.toml` names.
-#[cfg(logic = "cascade")]
-pub type Flown = Cascade;
-/// The control logic that `config/selection.toml` names.
-#[cfg(logic = "arducopter")]
-pub type Flown = ArduCopter;
-/// The control logic that `config/selection.toml` names.
-#[cfg(logic = "cleanflight")]
-pub type Flown = Cleanflight;
-/// The control logic that `config/selection.toml` names.
-#[cfg(logic = "observer")]
-pub type Flown = Observer;
-/// The control logic that `config/selection.toml` names.
-#[cfg(logic = "openpilot")]
-pub type Flown = OpenPilot;

@@ -11,6 +11,7 @@ use crate::time::{Duration, micros};
 mod block;
 
 pub use block::{BLOCK_LENGTH, BlockError};
+pub use reflex_settings::gains;
 pub use reflex_settings::{Feedback, MotorProtocol, Pairs, Policy, Reference, WarmUp};
 
 /// Everything a replay may choose without a rebuild.

@@ -10,25 +10,16 @@ pub mod ways;
 pub const BLOCK_STEPS: usize = 512;
 /// The function of `flights` that asks for a block, and the block's path.
 ///
-/// A block is the place of a logic in [`LOGICS`], how many steps there are, then the words of each.
+/// A block is the place of a logic in [`reflex_settings::gains::LOGICS`], how many steps there are, then the words of each.
 pub const BLOCK_SYMBOLS: [[&str; 2]; 2] = [["program", "refill"], ["program", "GIVEN"]];
 
 /// Most steps that the program `logics` takes at once.
 pub const STEPS: usize = 256;
-/// The path of their place in its memory: the place of a logic in [`LOGICS`], or a larger number for
+/// The path of their place in its memory: the place of a logic in [`reflex_settings::gains::LOGICS`], or a larger number for
 /// all of them, how many steps there are, then the words of each.
 pub const STEPS_SYMBOL: [&str; 2] = ["program", "GIVEN"];
 /// The ways in which each step is run: time-triggered, ours, callbacks, pointer vector.
 pub const WAYS: usize = 4;
-/// The control logics that are run, in this order.
-pub const LOGICS: [&str; 5] = [
-    "cascade",
-    "arducopter",
-    "cleanflight",
-    "openpilot",
-    "observer",
-];
-
 /// One part: what it is, and how often it is measured on other inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {

@@ -14,12 +14,20 @@ use crate::step::Step;
 
 /// A control logic, run in some way.
 pub trait Way {
+    /// At its start, with the gains that were built in.
+    fn configured() -> Self
+    where
+        Self: Sized;
+
     /// Sets the inputs of a step, runs, and says what the command is then.
     fn take(&mut self, step: &Step) -> MotorShares;
 }
 
-every_way!(cascade);
-every_way!(arducopter);
-every_way!(cleanflight);
-every_way!(openpilot);
-every_way!(observer);
+/// Every logic of the one list.
+macro_rules! all_in_every_way {
+    ($($(#[$doc:meta])* $module:ident: $name:literal, $Logic:ident;)*) => {
+        $(every_way!($module);)*
+    };
+}
+
+reflex_settings::control_logics!(all_in_every_way);

@@ -13,7 +13,6 @@ mod environment;
 mod error;
 mod fallback;
 mod logic;
-mod logics;
 mod range;
 mod reactive;
 mod rust;

@@ -8,7 +8,9 @@ mod reactive;
 
 use std::fmt::Write;
 
-use crate::logic::{Gain, Logic, Shape};
+use reflex_settings::gains::Gain;
+
+use crate::logic::Logic;
 use crate::{Airframe, Allocation, Board, Configuration, Spin};
 
 /// One constant of the generated source: name, value, meaning.
@@ -46,10 +48,14 @@ impl Configuration {
             let _ = writeln!(source, "    [{name:?}, {:?}, {doc:?}],", value.text);
         }
         for logic in &self.logics {
-            for (gain, numbers) in &logic.values {
-                let name = format!("{}::{}", logic.name, gain.constant());
-                let text = gain_value(gain, numbers).text;
-                let _ = writeln!(source, "    [{name:?}, {text:?}, {:?}],", gain.doc());
+            for (gain, numbers) in logic.gains() {
+                let name = format!("{}.{}.{}", logic.declared.logic, gain.section, gain.key);
+                let _ = writeln!(
+                    source,
+                    "    [{name:?}, {:?}, {:?}],",
+                    listed(numbers),
+                    doc(gain)
+                );
             }
         }
         source.push_str("];\n");
@@ -174,27 +180,38 @@ fn airframe(airframe: &Airframe) -> Vec<Constant> {
 
 /// The gains of one control logic, as a module of its name.
 fn module(logic: &Logic, source: &mut String) {
-    let name = logic.name;
+    let name = logic.declared.logic;
+    let literals: Vec<String> = logic.numbers.iter().map(|it| literal(*it)).collect();
     let _ = writeln!(
         source,
-        "/// Gains of the control logic `{name}`, from `logics/{name}.toml`.\npub mod {name} {{"
+        "/// Gains of the control logic `{name}`, from `logics/{name}.toml`.\n\
+         pub mod {name} {{\n    use reflex_settings::gains::{name}::Gains;\n\n    \
+         /// All of them.\n    pub const GAINS: Gains = Gains::from_words(&[{}]);\n}}\n",
+        literals.join(", ")
     );
-    for (gain, numbers) in &logic.values {
-        let Value { of_type, text } = gain_value(gain, numbers);
-        let (doc, constant) = (gain.doc(), gain.constant());
-        let _ = writeln!(
-            source,
-            "    /// {doc}\n    pub const {constant}: {of_type} = {text};"
-        );
-    }
-    source.push_str("}\n\n");
 }
 
-fn gain_value(gain: &Gain, numbers: &[f64]) -> Value {
-    let mut literals = numbers.iter().map(|number| literal(*number));
-    match gain.shape {
-        Shape::Number => value("f32", literals.next().unwrap_or_default()),
-        Shape::Axes => list("[f32; 3]", literals),
+/// A gain's documentation: meaning, unit, range.
+fn doc(gain: &Gain) -> String {
+    let Gain {
+        meaning,
+        unit,
+        range,
+        ..
+    } = gain;
+    let order = match gain.default {
+        [_] => "",
+        _ => "; roll, pitch, yaw",
+    };
+    format!("{meaning}, in {unit}, {range}{order}.")
+}
+
+/// One number, or several as a list.
+fn listed(numbers: &[f64]) -> String {
+    let literals: Vec<String> = numbers.iter().map(|it| literal(*it)).collect();
+    match literals.as_slice() {
+        [number] => number.clone(),
+        _ => format!("[{}]", literals.join(", ")),
     }
 }
 

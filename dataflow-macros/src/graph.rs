@@ -111,9 +111,11 @@ fn setters(plan: &Plan) -> TokenStream {
     quote!(#(#setters)*)
 }
 
-/// Every value, as last propagated; inputs as last set.
+/// Every value, as last propagated; inputs and parameters as last set.
 fn getters(plan: &Plan) -> TokenStream {
-    let getters = plan.graph.values.iter().map(|value| {
+    let values = plan.graph.values.iter();
+    let told = values.filter(|it| !it.is_param() || it.expression().is_none());
+    let getters = told.map(|value| {
         let (docs, name, of_type) = (&value.docs, &value.name, &value.of_type);
         quote! {
             #(#docs)*

@@ -9,43 +9,65 @@ use reflex::airframe::Mixed;
 use reflex::control::{Goal, Setpoint};
 use reflex::dataflow::{Description, Dirty};
 use reflex::estimate::{Motion, Place};
-use reflex::graph::{ArduCopter, Cascade, Cleanflight, ControlLogic, Observer, OpenPilot};
+use reflex::graph::{self, ControlLogic};
 use reflex::math::{Quaternion, Vec3};
 use reflex::units::Thrust;
 
 pub use tapped::steps_of;
 
-/// The name of a control logic, as in `config/logics/`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum LogicName {
-    /// Reflex's own.
-    Cascade,
-    /// After ArduCopter.
-    #[value(name = "arducopter")]
-    ArduCopter,
-    /// After Cleanflight.
-    Cleanflight,
-    /// After OpenPilot.
-    #[value(name = "openpilot")]
-    OpenPilot,
-    /// Reflex's own, with a disturbance observer.
-    Observer,
+/// What the one list of control logics makes here: their names, and a value of any of them.
+macro_rules! any_logic {
+    ($($(#[$doc:meta])* $module:ident: $name:literal, $Logic:ident;)*) => {
+        /// The name of a control logic, as in `config/logics/`.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+        pub enum LogicName {
+            $($(#[$doc])* #[value(name = $name)] $Logic,)*
+        }
+
+        /// A control logic of some name.
+        #[derive(Clone, Debug)]
+        pub enum AnyLogic {
+            $($(#[$doc])* $Logic(graph::$Logic),)*
+        }
+
+        impl LogicName {
+            /// As in `config/selection.toml`.
+            #[must_use]
+            pub fn word(self) -> &'static str {
+                match self {
+                    $(Self::$Logic => $name,)*
+                }
+            }
+
+            /// A logic of this name, not yet flown.
+            #[must_use]
+            pub fn logic(self) -> AnyLogic {
+                match self {
+                    $(Self::$Logic => AnyLogic::$Logic(graph::$Logic::default()),)*
+                }
+            }
+
+            /// Bytes that the graph takes, and those of its values one by one.
+            #[must_use]
+            pub fn bytes(self) -> (usize, usize) {
+                match self {
+                    $(Self::$Logic => (size_of::<graph::$Logic>(), graph::$Logic::STORED_BYTES),)*
+                }
+            }
+        }
+
+        /// The same call of whichever logic it is.
+        macro_rules! whichever {
+            ($any:ident, $logic:ident => $call:expr) => {
+                match $any {
+                    $(AnyLogic::$Logic($logic) => $call,)*
+                }
+            };
+        }
+    };
 }
 
-/// A control logic of some name.
-#[derive(Clone, Debug)]
-pub enum AnyLogic {
-    /// Reflex's own.
-    Cascade(Cascade),
-    /// After ArduCopter.
-    ArduCopter(ArduCopter),
-    /// After Cleanflight.
-    Cleanflight(Cleanflight),
-    /// After OpenPilot.
-    OpenPilot(OpenPilot),
-    /// Reflex's own, with a disturbance observer.
-    Observer(Observer),
-}
+reflex_settings::control_logics!(any_logic);
 
 impl LogicName {
     /// The one that is built into the firmware unless another is asked for.
@@ -54,50 +76,11 @@ impl LogicName {
         Self::from_str(reflex::config::LOGIC, false).unwrap_or(Self::Cascade)
     }
 
-    /// As in `config/selection.toml`.
+    /// Its place in the one list.
     #[must_use]
-    pub fn word(self) -> &'static str {
-        self.logic().name()
+    pub fn place(self) -> usize {
+        self as usize
     }
-
-    /// A logic of this name, not yet flown.
-    #[must_use]
-    pub fn logic(self) -> AnyLogic {
-        match self {
-            Self::Cascade => AnyLogic::Cascade(Cascade::default()),
-            Self::ArduCopter => AnyLogic::ArduCopter(ArduCopter::default()),
-            Self::Cleanflight => AnyLogic::Cleanflight(Cleanflight::default()),
-            Self::OpenPilot => AnyLogic::OpenPilot(OpenPilot::default()),
-            Self::Observer => AnyLogic::Observer(Observer::default()),
-        }
-    }
-}
-
-impl LogicName {
-    /// Bytes that the graph takes, and those of its values one by one.
-    #[must_use]
-    pub fn bytes(self) -> (usize, usize) {
-        match self {
-            Self::Cascade => (size_of::<Cascade>(), Cascade::STORED_BYTES),
-            Self::ArduCopter => (size_of::<ArduCopter>(), ArduCopter::STORED_BYTES),
-            Self::Cleanflight => (size_of::<Cleanflight>(), Cleanflight::STORED_BYTES),
-            Self::OpenPilot => (size_of::<OpenPilot>(), OpenPilot::STORED_BYTES),
-            Self::Observer => (size_of::<Observer>(), Observer::STORED_BYTES),
-        }
-    }
-}
-
-/// The same call of whichever logic it is.
-macro_rules! whichever {
-    ($any:ident, $logic:ident => $call:expr) => {
-        match $any {
-            AnyLogic::Cascade($logic) => $call,
-            AnyLogic::ArduCopter($logic) => $call,
-            AnyLogic::Cleanflight($logic) => $call,
-            AnyLogic::OpenPilot($logic) => $call,
-            AnyLogic::Observer($logic) => $call,
-        }
-    };
 }
 
 impl ControlLogic for AnyLogic {

@@ -3,7 +3,9 @@
 #![forbid(unsafe_code)]
 
 mod choices;
+pub mod gains;
 mod inputs;
+mod logics;
 mod range;
 mod time;
 

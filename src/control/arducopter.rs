@@ -15,5 +15,5 @@ pub use angle::{Asked, angle_loop};
 pub use approach::{Approach, approach};
 pub use course::{Climb, Course, climbing, moved, steered};
 pub use lift::{Lift, boosted, lifted};
-pub use rate::{RateMemory, integrated, rate_loop};
+pub use rate::{RateLoop, RateMemory};
 pub use sharing::shared;

@@ -1,7 +1,6 @@
 //! The outer loop: attitude error to desired body rates, proportional and limited.
 
 use super::{Setpoint, Yaw};
-use crate::config::cascade::{ATTITUDE_P, ATTITUDE_RATE_LIMIT};
 use crate::math::{Quaternion, Vec3};
 use crate::units::BodyRates;
 
@@ -12,12 +11,6 @@ pub struct AttitudeLaw {
     pub gain: Vec3,
     /// The largest rate the error may ask for, rad/s, about each axis.
     pub limit: Vec3,
-}
-
-impl Default for AttitudeLaw {
-    fn default() -> Self {
-        Self::CONFIGURED
-    }
 }
 
 /// What the outer loop asks for, and how that moves as the body turns.
@@ -47,11 +40,14 @@ impl Wanted {
 }
 
 impl AttitudeLaw {
-    /// With the gains of the configuration.
-    pub const CONFIGURED: Self = Self {
-        gain: Vec3::from_array(ATTITUDE_P),
-        limit: Vec3::from_array(ATTITUDE_RATE_LIMIT),
-    };
+    /// The law of a gain (1/s) and a limit (rad/s), each about roll, pitch and yaw.
+    #[must_use]
+    pub const fn new(gain: [f32; 3], limit: [f32; 3]) -> Self {
+        Self {
+            gain: Vec3::from_array(gain),
+            limit: Vec3::from_array(limit),
+        }
+    }
 
     /// Desired body rates: the setpoint's own, plus what the attitude error asks for.
     #[must_use]
@@ -101,8 +97,11 @@ fn tilt_error(attitude: Quaternion, target: Quaternion) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::cascade::GAINS;
     use crate::units::Thrust;
     use proptest::prelude::*;
+
+    const LAW: AttitudeLaw = AttitudeLaw::new(GAINS.attitude.p, GAINS.attitude.rate_limit_rad_s);
 
     fn target(attitude: Quaternion, yaw: Yaw) -> Setpoint {
         Setpoint {
@@ -116,10 +115,10 @@ mod tests {
     fn rolled_right_of_the_target_asks_for_roll_to_the_left() {
         let attitude = Quaternion::IDENTITY.turned_by(Vec3::new(0.2, 0.0, 0.0));
         for yaw in [Yaw::Heading, Yaw::Rate] {
-            let rates = AttitudeLaw::default()
+            let rates = LAW
                 .wanted(attitude, &target(Quaternion::IDENTITY, yaw))
                 .rates;
-            let expected = -0.2 * ATTITUDE_P[0];
+            let expected = -0.2 * GAINS.attitude.p[0];
             assert!((rates.0.x - expected).abs() < 0.02, "{yaw:?} {rates:?}");
             assert!(rates.0.y.abs() < 1e-3);
         }
@@ -129,11 +128,11 @@ mod tests {
     fn nose_above_the_target_asks_for_nose_down() {
         let attitude = Quaternion::IDENTITY.turned_by(Vec3::new(0.0, 0.2, 0.0));
         for yaw in [Yaw::Heading, Yaw::Rate] {
-            let rates = AttitudeLaw::default()
+            let rates = LAW
                 .wanted(attitude, &target(Quaternion::IDENTITY, yaw))
                 .rates;
             assert!(
-                (rates.0.y + 0.2 * ATTITUDE_P[1]).abs() < 0.02,
+                (rates.0.y + 0.2 * GAINS.attitude.p[1]).abs() < 0.02,
                 "{yaw:?} {rates:?}"
             );
         }
@@ -141,7 +140,7 @@ mod tests {
 
     #[test]
     fn with_a_yaw_rate_the_heading_is_free() {
-        let law = AttitudeLaw::default();
+        let law = LAW;
         let setpoint = target(Quaternion::from_heading(2.0), Yaw::Rate);
         let rates = law.wanted(Quaternion::IDENTITY, &setpoint).rates;
         assert!(rates.0.max_norm() < 1e-5);
@@ -151,7 +150,7 @@ mod tests {
 
     #[test]
     fn a_small_turn_moves_the_wanted_rates_by_the_stiffness() {
-        let law = AttitudeLaw::default();
+        let law = LAW;
         let turn = Vec3::new(0.01, -0.02, 0.005);
         for yaw in [Yaw::Heading, Yaw::Rate] {
             let setpoint = target(
@@ -163,7 +162,7 @@ mod tests {
             let turned = law.wanted(Quaternion::IDENTITY.turned_by(turn), &setpoint);
             let miss = (foreseen - turned.rates.0).max_norm();
             assert!(
-                miss < 0.1 * turn.max_norm() * ATTITUDE_P[0],
+                miss < 0.1 * turn.max_norm() * GAINS.attitude.p[0],
                 "{yaw:?} {miss}"
             );
         }
@@ -172,7 +171,7 @@ mod tests {
     #[test]
     fn upside_down_still_asks_for_a_turn() {
         let attitude = Quaternion::from_up(Vec3::new(0.0, 0.05, 1.0)).expect("a direction");
-        let rates = AttitudeLaw::default()
+        let rates = LAW
             .wanted(attitude, &target(Quaternion::IDENTITY, Yaw::Rate))
             .rates;
         assert!(rates.0.max_norm() > 1.0);
@@ -186,7 +185,7 @@ mod tests {
             let attitude = Quaternion::from_heading(heading);
             let goal = Quaternion::IDENTITY.turned_by(Vec3::new(x, y, z) * 0.3);
             for yaw in [Yaw::Heading, Yaw::Rate] {
-                let rates = AttitudeLaw::default().wanted(attitude, &target(goal, yaw)).rates;
+                let rates = LAW.wanted(attitude, &target(goal, yaw)).rates;
                 prop_assert!(rates.is_finite());
                 prop_assert!(rates.0.max_norm() <= 4.0);
             }

@@ -11,10 +11,8 @@
 
 use super::one_pole::along;
 use super::rate_law::RateInput;
-use crate::config::observer::{
-    CANCELLED_LIMIT, EFFECTIVENESS, LAG, OBSERVER_BANDWIDTH, RATE_D, RATE_P,
-};
 use crate::math::{Vec3, limited};
+use crate::settings::gains::observer::Gains;
 use crate::units::{BodyRates, TorqueDemand};
 
 /// Gains of the rate loop with its observer.
@@ -58,12 +56,6 @@ pub struct ObserverStretch {
     pub saturated: bool,
 }
 
-impl Default for ObserverLaw {
-    fn default() -> Self {
-        Self::CONFIGURED
-    }
-}
-
 impl ObserverState {
     /// The same without anything that was seen to disturb.
     #[must_use]
@@ -76,15 +68,18 @@ impl ObserverState {
 }
 
 impl ObserverLaw {
-    /// With the gains of the configuration.
-    pub const CONFIGURED: Self = Self {
-        proportional: Vec3::from_array(RATE_P),
-        derivative: Vec3::from_array(RATE_D),
-        effectiveness: Vec3::from_array(EFFECTIVENESS),
-        lag: LAG,
-        bandwidth: OBSERVER_BANDWIDTH,
-        limit: CANCELLED_LIMIT,
-    };
+    /// The law of some gains.
+    #[must_use]
+    pub const fn new(gains: &Gains) -> Self {
+        Self {
+            proportional: Vec3::from_array(gains.rate.p),
+            derivative: Vec3::from_array(gains.rate.d),
+            effectiveness: Vec3::from_array(gains.observer.effectiveness),
+            lag: gains.observer.lag_s,
+            bandwidth: gains.observer.bandwidth,
+            limit: gains.observer.limit,
+        }
+    }
 
     /// The state after a stretch of time; one of no length leaves it as it is.
     #[must_use]
@@ -129,7 +124,10 @@ impl ObserverLaw {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::observer::GAINS;
     use proptest::prelude::*;
+
+    const LAW: ObserverLaw = ObserverLaw::new(&GAINS);
 
     fn about_roll(value: f32) -> Vec3 {
         Vec3::new(value, 0.0, 0.0)
@@ -146,7 +144,7 @@ mod tests {
 
     /// A body that motors and a steady push turn about roll, and its loop every `dt` for a second.
     fn pushed(push: f32, dt: f32) -> (ObserverState, f32) {
-        let law = ObserverLaw::CONFIGURED;
+        let law = LAW;
         let (mut state, mut rate, mut given) = (ObserverState::default(), 0.0, 0.0);
         for _ in 0..(1.0 / dt) as u32 {
             let input = RateInput {
@@ -168,7 +166,7 @@ mod tests {
     fn a_steady_push_is_found_and_cancelled_however_rare_the_runs() {
         for dt in [0.001, 0.005, 0.02] {
             let (state, rate) = pushed(20.0, dt);
-            let share = 20.0 / ObserverLaw::CONFIGURED.effectiveness.x;
+            let share = 20.0 / LAW.effectiveness.x;
             let found = state.disturbance.x / share;
             assert!((found - 1.0).abs() < 0.1, "{dt} s: {found}");
             assert!(rate.abs() < 0.1, "{dt} s: {rate}");
@@ -177,7 +175,7 @@ mod tests {
 
     #[test]
     fn what_the_motors_explain_is_no_disturbance() {
-        let law = ObserverLaw::CONFIGURED;
+        let law = LAW;
         let (mut state, mut rate, mut given) = (ObserverState::default(), 0.0, 0.0);
         for _ in 0..500 {
             rate += given * law.effectiveness.x * 0.001;
@@ -192,7 +190,7 @@ mod tests {
 
     #[test]
     fn nothing_is_learned_without_time_or_from_saturated_motors() {
-        let law = ObserverLaw::CONFIGURED;
+        let law = LAW;
         let state = law.after(&ObserverState::default(), &stretch(0.0, 0.5, 0.01));
         assert!(state.disturbance.x > 0.0);
         assert_eq!(law.after(&state, &stretch(0.3, 2.0, 0.0)), state);
@@ -211,7 +209,7 @@ mod tests {
             asked in -1.0f32..1.0, from in -3.0f32..3.0, slope in -20.0f32..20.0,
             pieces in 1..50u8,
         ) {
-            let law = ObserverLaw { limit: 10.0, ..ObserverLaw::CONFIGURED };
+            let law = ObserverLaw { limit: 10.0, ..LAW };
             let start = law.after(&ObserverState::default(), &stretch(0.0, from, 0.1));
             let rarely = law.after(&start, &stretch(asked, from + slope * 0.05, 0.05));
             let piece = 0.05 / f32::from(pieces);
@@ -227,7 +225,7 @@ mod tests {
         fn demands_stay_finite_and_what_is_cancelled_limited(
             steps in prop::collection::vec((-9.0f32..9.0, -40.0f32..40.0, 0.0f32..1.0), 1..200)
         ) {
-            let law = ObserverLaw::CONFIGURED;
+            let law = LAW;
             let mut state = ObserverState::default();
             for (asked, rate, dt) in steps {
                 state = law.after(&state, &stretch(asked, rate, dt));

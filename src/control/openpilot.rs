@@ -8,6 +8,6 @@ mod path_follower;
 mod stabilization;
 mod stretch;
 
-pub use path_follower::{PathFollower, PathState, velocity_wanted};
+pub use path_follower::{PathFollower, PathState};
 pub use stabilization::{AttitudeError, AttitudePi, Integrals, Stabilization, StabilizedStretch};
 pub use stretch::ErrorStretch;

@@ -1,6 +1,5 @@
 //! The inner loop: rate error to torque demands, PID about each axis.
 
-use crate::config::cascade::{INTEGRAL_LIMIT, RATE_D, RATE_I, RATE_P};
 use crate::estimate::Rotation;
 use crate::math::{Vec3, limited};
 use crate::units::{BodyRates, TorqueDemand};
@@ -16,12 +15,6 @@ pub struct RateLaw {
     pub derivative: Vec3,
     /// The largest share that integration may reach.
     pub integral_limit: f32,
-}
-
-impl Default for RateLaw {
-    fn default() -> Self {
-        Self::CONFIGURED
-    }
 }
 
 /// What the rate loop remembers between steps.
@@ -66,13 +59,19 @@ impl RateInput {
 }
 
 impl RateLaw {
-    /// With the gains of the configuration.
-    pub const CONFIGURED: Self = Self {
-        proportional: Vec3::from_array(RATE_P),
-        integral: Vec3::from_array(RATE_I),
-        derivative: Vec3::from_array(RATE_D),
-        integral_limit: INTEGRAL_LIMIT,
-    };
+    /// The law of proportional, integral and derivative gains and a limit, as their fields have them.
+    #[must_use]
+    pub const fn new(
+        [proportional, integral, derivative]: [[f32; 3]; 3],
+        integral_limit: f32,
+    ) -> Self {
+        Self {
+            proportional: Vec3::from_array(proportional),
+            integral: Vec3::from_array(integral),
+            derivative: Vec3::from_array(derivative),
+            integral_limit,
+        }
+    }
 
     /// The state after a stretch of time; one of no length leaves it as it is.
     ///
@@ -113,7 +112,13 @@ impl RateLaw {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::cascade::GAINS;
     use proptest::prelude::*;
+
+    const LAW: RateLaw = RateLaw::new(
+        [GAINS.rate.p, GAINS.rate.i, GAINS.rate.d],
+        GAINS.rate.integral_limit,
+    );
 
     fn about_roll(angle: f32) -> Vec3 {
         Vec3::new(angle, 0.0, 0.0)
@@ -129,19 +134,19 @@ mod tests {
 
     #[test]
     fn without_time_the_output_follows_and_the_state_stays() {
-        let law = RateLaw::default();
+        let law = LAW;
         let state = law.after(&RateState::default(), &stretch(0.01, 0.0));
         assert_eq!(law.after(&state, &RateStretch::default()), state);
         let input = RateInput {
             wanted: BodyRates(about_roll(2.0)),
             ..RateInput::default()
         };
-        assert!(law.demand(&state, &input).0.x > 2.0 * RATE_P[0] * 0.99);
+        assert!(law.demand(&state, &input).0.x > 2.0 * GAINS.rate.p[0] * 0.99);
     }
 
     #[test]
     fn a_saturated_integral_shrinks_but_does_not_grow() {
-        let law = RateLaw::default();
+        let law = LAW;
         let saturated = |wanted| RateStretch {
             saturated: true,
             ..stretch(wanted, 0.0)
@@ -154,7 +159,7 @@ mod tests {
 
     #[test]
     fn rare_steps_integrate_what_frequent_ones_do() {
-        let law = RateLaw::default();
+        let law = LAW;
         let (mut often, mut rarely) = (RateState::default(), RateState::default());
         let mut turned = 0.0;
         for step in 1..=1000 {
@@ -174,7 +179,7 @@ mod tests {
         fn demands_stay_finite_and_integrals_limited_on_any_spacing(
             steps in prop::collection::vec((-20.0f32..20.0, -20.0f32..20.0, 0.0f32..1.0), 1..200)
         ) {
-            let law = RateLaw::default();
+            let law = LAW;
             let mut state = RateState::default();
             for (wanted, measured, dt) in steps {
                 state = law.after(&state, &stretch(wanted * dt, measured * dt));

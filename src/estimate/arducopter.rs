@@ -7,11 +7,8 @@
 
 use super::Increment;
 use super::attitude::turned;
-use crate::config::arducopter::{
-    DRIFT_LIMIT, ESTIMATE_HEADING_I as HEADING_I, ESTIMATE_HEADING_P as HEADING_P,
-    ESTIMATE_TILT_I as TILT_I, ESTIMATE_TILT_P as TILT_P,
-};
 use crate::math::{Quaternion, Vec3, between};
+use crate::settings::gains::arducopter::Estimate;
 
 /// Below this rate (rad/s, 20 deg/s) drift is learned.
 ///
@@ -35,12 +32,6 @@ const MOST_DRIFT: Vec3 = Vec3::new(0.1, 0.1, 0.1);
 /// A change is limited by the time that it took: judged over less, noise would reach the limit,
 /// and what is learned would depend on how often control runs.
 const DRIFT_WINDOW: f32 = 5.0;
-
-/// The most by which drift changes in a window, in rad/s.
-const MOST_CHANGE: Vec3 = {
-    const MOST: f32 = DRIFT_LIMIT * DRIFT_WINDOW;
-    Vec3::new(MOST, MOST, MOST)
-};
 
 /// Attitude, body to Earth, and what the gyroscope lacks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -87,7 +78,7 @@ impl DriftFilter {
     /// `heading_error` is by how much (rad, clockwise) the heading falls short of a measured
     /// one, where there is one.
     #[must_use]
-    pub fn after(&self, motion: &Increment, heading_error: Option<f32>) -> Self {
+    pub fn after(&self, motion: &Increment, heading_error: Option<f32>, gains: &Estimate) -> Self {
         if motion.dt <= 0.0 {
             return *self;
         }
@@ -98,16 +89,16 @@ impl DriftFilter {
         let pull = 0.5 * spins.iter().map(|&spin| pull(spin)).sum::<f32>();
         // The error shrinks as it is corrected, by half of that in the mean. Down may also be
         // seen the wrong way round, which must not turn this into a division by zero.
-        let slowing = 1.0 + 0.5 * TILT_P * pull * motion.down.dot(down).abs();
+        let slowing = 1.0 + 0.5 * gains.tilt_p * pull * motion.down.dot(down).abs();
         let tilt = motion.down.cross(down) * (1.0 / slowing);
-        let correction = (tilt * TILT_P + heading * HEADING_P) * pull;
+        let correction = (tilt * gains.tilt_p + heading * gains.heading_p) * pull;
         let correction = correction + self.drift * motion.dt;
-        let step = tilt * TILT_I + heading * HEADING_I;
+        let step = tilt * gains.tilt_i + heading * gains.heading_i;
         Self {
             attitude: turned(self.attitude, motion, correction),
             rates,
             correction,
-            ..self.learned(step, motion.dt, slow_share(spins))
+            ..self.learned(step, motion.dt, slow_share(spins), gains)
         }
     }
 
@@ -121,7 +112,7 @@ impl DriftFilter {
     /// What is known of the drift after `dt` (s) in which it seemed to change by `step` (rad/s).
     ///
     /// Of both this `share` counts.
-    fn learned(&self, step: Vec3, dt: f32, share: f32) -> Self {
+    fn learned(&self, step: Vec3, dt: f32, share: f32, gains: &Estimate) -> Self {
         let counted = dt * share;
         let left = DRIFT_WINDOW - self.learning;
         if counted < left {
@@ -133,7 +124,8 @@ impl DriftFilter {
         }
         // What is behind the window's end belongs to the next one, however long the step.
         let within = step * (left / dt);
-        let change = (self.learned + within).limited(MOST_CHANGE);
+        let most = gains.drift_limit_rad_s2 * DRIFT_WINDOW;
+        let change = (self.learned + within).limited(Vec3::new(most, most, most));
         Self {
             drift: (self.drift + change).limited(MOST_DRIFT),
             learned: step * share - within,
@@ -158,6 +150,7 @@ fn slow_share([start, end]: [f32; 2]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::arducopter::GAINS;
     use crate::math::wrapped;
     use proptest::prelude::*;
 
@@ -173,7 +166,7 @@ mod tests {
     fn a_tilted_estimate_levels_while_gravity_is_seen() {
         let mut filter = DriftFilter::default().aligned(Vec3::new(2.0, -1.0, -9.0));
         for _ in 0..1000 {
-            filter = filter.after(&still(0.05), None);
+            filter = filter.after(&still(0.05), None, &GAINS.estimate);
         }
         let down = filter.attitude().down_in_body();
         assert!(
@@ -187,7 +180,7 @@ mod tests {
         let mut filter = DriftFilter::default();
         for _ in 0..4000 {
             let error = wrapped(-3.0 - filter.attitude().heading());
-            filter = filter.after(&still(0.05), Some(error));
+            filter = filter.after(&still(0.05), Some(error), &GAINS.estimate);
         }
         assert!((filter.attitude().heading() + 3.0).abs() < 0.02);
     }
@@ -201,7 +194,7 @@ mod tests {
             ..still(dt)
         };
         for _ in 0..(400.0 / dt) as u32 {
-            filter = filter.after(&motion, None);
+            filter = filter.after(&motion, None, &GAINS.estimate);
         }
         assert!((filter.drift.x + bias).abs() < 0.002, "{filter:?}");
         assert!(filter.attitude().down_in_body().y.abs() < 0.02);
@@ -210,15 +203,18 @@ mod tests {
     #[test]
     fn without_time_nothing_advances() {
         let filter = DriftFilter::default().aligned(Vec3::new(2.0, -1.0, -9.0));
-        assert_eq!(filter.after(&Increment::default(), Some(1.0)), filter);
+        assert_eq!(
+            filter.after(&Increment::default(), Some(1.0), &GAINS.estimate),
+            filter
+        );
     }
 
     proptest! {
         #[test]
         fn a_rare_step_levels_as_far_as_frequent_ones(x in -4.0f32..4.0, y in -4.0f32..4.0) {
             let begun = DriftFilter::default().aligned(Vec3::new(x, y, -9.0));
-            let often = (0..100).fold(begun, |filter, _| filter.after(&still(0.001), None));
-            let rarely = begun.after(&still(0.1), None);
+            let often = (0..100).fold(begun, |filter, _| filter.after(&still(0.001), None, &GAINS.estimate));
+            let rarely = begun.after(&still(0.1), None, &GAINS.estimate);
             let apart = often.attitude().error_to(rarely.attitude()).max_norm();
             prop_assert!(apart < 2e-5, "{apart}");
             prop_assert!((often.drift - rarely.drift).max_norm() < 1e-5);
@@ -234,9 +230,9 @@ mod tests {
             let turning = |dt: f32| Increment { angle: rate * dt, dt, ..Increment::default() };
             for _ in 0..20 {
                 for _ in 0..50 {
-                    often = often.after(&turning(0.001), Some(heading));
+                    often = often.after(&turning(0.001), Some(heading), &GAINS.estimate);
                 }
-                rarely = rarely.after(&turning(0.05), Some(heading));
+                rarely = rarely.after(&turning(0.05), Some(heading), &GAINS.estimate);
             }
             prop_assert!(often.attitude().error_to(rarely.attitude()).max_norm() < 5e-3);
             prop_assert!((often.drift - rarely.drift).max_norm() < 1e-5);
@@ -257,12 +253,12 @@ mod tests {
                         dt: 0.001,
                         ..Increment::default()
                     };
-                    often = often.after(&motion, None);
+                    often = often.after(&motion, None, &GAINS.estimate);
                     sum.angle += motion.angle;
                     sum.down += motion.down;
                     sum.dt += motion.dt;
                 }
-                rarely = rarely.after(&sum, None);
+                rarely = rarely.after(&sum, None, &GAINS.estimate);
             }
             prop_assert!((often.drift - rarely.drift).max_norm() < 2e-5, "{often:?} {rarely:?}");
         }
@@ -276,7 +272,7 @@ mod tests {
             for ([x, y, z], heading, dt) in steps {
                 let rate = Vec3::new(x, y, z);
                 let motion = Increment { angle: rate * dt, down: rate * (dt / 70.0), dt, ..Increment::default() };
-                filter = filter.after(&motion, Some(heading));
+                filter = filter.after(&motion, Some(heading), &GAINS.estimate);
                 let [w, i, j, k] = filter.attitude().to_array();
                 prop_assert!((w * w + i * i + j * j + k * k - 1.0).abs() < 1e-3);
                 prop_assert!(filter.drift.max_norm() <= MOST_DRIFT.x);

@@ -4,8 +4,16 @@
 //! stage, so that its result hardly depends on how often control runs.
 
 use super::Increment;
-use crate::config::cascade::{ACCEL_CORRECTION, HEADING_CORRECTION};
 use crate::math::{Quaternion, Vec3};
+
+/// How fast the attitude follows its references.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corrections {
+    /// By the accelerometer, in 1/s.
+    pub gravity: f32,
+    /// By a measured heading, in 1/s.
+    pub heading: f32,
+}
 
 /// Attitude estimate, body to Earth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -37,19 +45,29 @@ impl AttitudeFilter {
     /// Towards gravity it slows down as it gets there, to second order in the motion's length: a
     /// rare step that took the first error for the whole of it would end beyond frequent ones.
     #[must_use]
-    pub fn correction(&self, motion: &Increment, heading_error: Option<f32>) -> Vec3 {
+    pub fn correction(
+        &self,
+        motion: &Increment,
+        heading_error: Option<f32>,
+        speed: &Corrections,
+    ) -> Vec3 {
         let down = self.attitude.down_in_body();
         // Seen the wrong way round, down must not turn this into a division by zero.
-        let slowing = 1.0 + 0.5 * ACCEL_CORRECTION * motion.down.dot(down).abs();
-        let towards_gravity = motion.down.cross(down) * (ACCEL_CORRECTION / slowing);
-        let towards_heading = HEADING_CORRECTION * heading_error.unwrap_or(0.0) * motion.dt;
+        let slowing = 1.0 + 0.5 * speed.gravity * motion.down.dot(down).abs();
+        let towards_gravity = motion.down.cross(down) * (speed.gravity / slowing);
+        let towards_heading = speed.heading * heading_error.unwrap_or(0.0) * motion.dt;
         towards_gravity + down * towards_heading
     }
 
     /// The filter after the motion since the last step; see [`Self::correction`].
     #[must_use]
-    pub fn stepped(&self, motion: &Increment, heading_error: Option<f32>) -> Self {
-        self.after(motion, self.correction(motion, heading_error))
+    pub fn stepped(
+        &self,
+        motion: &Increment,
+        heading_error: Option<f32>,
+        speed: &Corrections,
+    ) -> Self {
+        self.after(motion, self.correction(motion, heading_error, speed))
     }
 
     /// The filter after the motion since the last step, and this correction.
@@ -89,9 +107,15 @@ pub(super) fn in_small_turns(attitude: Quaternion, turn: Vec3) -> Quaternion {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::cascade::GAINS;
     use crate::math::wrapped;
     use crate::sensors::GRAVITY;
     use proptest::prelude::*;
+
+    const SPEED: Corrections = Corrections {
+        gravity: GAINS.estimate.accel_correction,
+        heading: GAINS.estimate.heading_correction,
+    };
 
     fn still(dt: f32) -> Increment {
         Increment {
@@ -117,7 +141,7 @@ mod tests {
         let mut filter = AttitudeFilter::default();
         filter = filter.aligned(Vec3::new(2.0, -1.0, -9.0));
         for _ in 0..20_000 {
-            filter = filter.stepped(&still(0.001), None);
+            filter = filter.stepped(&still(0.001), None, &SPEED);
         }
         let down = filter.attitude().down_in_body();
         assert!(
@@ -130,10 +154,10 @@ mod tests {
     fn down_seen_upside_down_leaves_an_attitude() {
         let mut filter = AttitudeFilter::default();
         let upside_down = Increment {
-            down: Vec3::new(0.01, 0.0, -2.0 / ACCEL_CORRECTION),
+            down: Vec3::new(0.01, 0.0, -2.0 / SPEED.gravity),
             ..still(1.0)
         };
-        filter = filter.stepped(&upside_down, None);
+        filter = filter.stepped(&upside_down, None, &SPEED);
         assert!(filter.attitude().down_in_body().norm() > 0.9);
     }
 
@@ -142,7 +166,7 @@ mod tests {
         let mut filter = AttitudeFilter::default();
         for _ in 0..100_000 {
             let error = wrapped(-3.0 - filter.attitude().heading());
-            filter = filter.stepped(&still(0.001), Some(error));
+            filter = filter.stepped(&still(0.001), Some(error), &SPEED);
         }
         assert!((filter.attitude().heading() + 3.0).abs() < 1e-2);
     }
@@ -152,7 +176,7 @@ mod tests {
         let mut filter = AttitudeFilter::default();
         filter = filter.aligned(Vec3::new(2.0, -1.0, -9.0));
         let before = filter;
-        filter = filter.stepped(&Increment::default(), Some(1.0));
+        filter = filter.stepped(&Increment::default(), Some(1.0), &SPEED);
         assert_eq!(filter, before);
     }
 
@@ -164,9 +188,9 @@ mod tests {
             rarely = rarely.aligned(Vec3::new(x, y, -9.0));
             let tilt = rarely.attitude().down_in_body();
             for _ in 0..100 {
-                often = often.stepped(&still(0.001), None);
+                often = often.stepped(&still(0.001), None, &SPEED);
             }
-            rarely = rarely.stepped(&still(0.1), None);
+            rarely = rarely.stepped(&still(0.1), None, &SPEED);
             let apart = often.attitude().error_to(rarely.attitude()).max_norm();
             let far = tilt.cross(Vec3::new(0.0, 0.0, 1.0)).norm();
             prop_assert!(apart < 1e-4 * far + 1e-6, "{apart} of {far}");
@@ -180,9 +204,9 @@ mod tests {
             let rate = Vec3::new(x, y, z);
             for _ in 0..50 {
                 for _ in 0..10 {
-                    often = often.stepped(&turning(rate, 0.001), None);
+                    often = often.stepped(&turning(rate, 0.001), None, &SPEED);
                 }
-                rarely = rarely.stepped(&turning(rate, 0.01), None);
+                rarely = rarely.stepped(&turning(rate, 0.01), None, &SPEED);
             }
             prop_assert!(often.attitude().error_to(rarely.attitude()).max_norm() < 1e-3);
         }

@@ -16,11 +16,8 @@
 
 use super::Increment;
 use super::attitude::turned;
-use crate::config::cleanflight::{
-    ESTIMATE_DCM_KI, ESTIMATE_DCM_KP, ESTIMATE_FAST, ESTIMATE_FAST_FACTOR,
-    ESTIMATE_HORIZONTAL_FIELD, ESTIMATE_SPIN_LIMIT,
-};
 use crate::math::{Quaternion, Vec3, limited, sin_cos, wrapped};
+use crate::settings::gains::cleanflight::Estimate;
 
 /// The largest bias that is learned, in rad/s: a healthy MPU6050 has less at rest.
 const LARGEST_BIAS: f32 = 0.5;
@@ -80,16 +77,16 @@ impl MahonyFilter {
 
     /// The estimate after the motion since the last run; `dt` of zero advances nothing.
     #[must_use]
-    pub fn after(&self, motion: &Increment, evidence: Evidence) -> Self {
+    pub fn after(&self, motion: &Increment, evidence: Evidence, gains: &Estimate) -> Self {
         let dt = motion.dt;
         if dt <= 0.0 {
             return *self;
         }
         let down = self.attitude.down_in_body();
-        let [tilt, heading] = errors(down, motion, evidence.heading_error);
-        let feedback = self.learned(tilt + heading, motion);
-        let fast = evidence.standing && self.age < ESTIMATE_FAST;
-        let gain = ESTIMATE_DCM_KP * if fast { ESTIMATE_FAST_FACTOR } else { 1.0 };
+        let [tilt, heading] = errors(down, motion, evidence.heading_error, gains);
+        let feedback = self.learned(tilt + heading, motion, gains);
+        let fast = evidence.standing && self.age < gains.fast_s;
+        let gain = gains.dcm_kp * if fast { gains.fast_factor } else { 1.0 };
         // The tilt's error shrinks as it is corrected, a measured error of the heading stands.
         // Seen the wrong way round, down must not turn this into a division by zero.
         let seen = motion.down.dot(down).abs();
@@ -102,34 +99,40 @@ impl MahonyFilter {
             feedback,
             correction,
             down,
-            age: (self.age + dt).min(ESTIMATE_FAST),
+            age: (self.age + dt).min(gains.fast_s),
         }
     }
 
     /// The integral feedback after this motion, and an error (rad s) integrated over it.
-    fn learned(&self, error: Vec3, motion: &Increment) -> Vec3 {
-        let spinning = motion.angle.norm() >= ESTIMATE_SPIN_LIMIT * motion.dt;
-        if ESTIMATE_DCM_KI <= 0.0 || spinning {
+    fn learned(&self, error: Vec3, motion: &Increment, gains: &Estimate) -> Vec3 {
+        let spinning = motion.angle.norm() >= gains.spin_limit_rad_s * motion.dt;
+        if gains.dcm_ki <= 0.0 || spinning {
             return self.feedback;
         }
         let most = Vec3::new(LARGEST_BIAS, LARGEST_BIAS, LARGEST_BIAS);
-        (self.feedback + error * ESTIMATE_DCM_KI).limited(most)
+        (self.feedback + error * gains.dcm_ki).limited(most)
     }
 }
 
 /// The turns that gravity and the magnetometer ask for where `down` is estimated there.
 ///
 /// As sines in body axes, integrated over the motion, in rad s.
-fn errors(down: Vec3, motion: &Increment, heading_error: Option<f32>) -> [Vec3; 2] {
-    const SHARE: f32 = ESTIMATE_HORIZONTAL_FIELD * ESTIMATE_HORIZONTAL_FIELD;
+fn errors(
+    down: Vec3,
+    motion: &Increment,
+    heading_error: Option<f32>,
+    gains: &Estimate,
+) -> [Vec3; 2] {
+    let share = gains.horizontal_field * gains.horizontal_field;
     let off = sin_cos(wrapped(heading_error.unwrap_or(0.0))).0;
-    let towards_heading = down * (SHARE * limited(off, 1.0) * motion.dt);
+    let towards_heading = down * (share * limited(off, 1.0) * motion.dt);
     [motion.down.cross(down), towards_heading]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::cleanflight::GAINS;
     use proptest::prelude::*;
 
     const FLYING: Evidence = Evidence {
@@ -158,7 +161,7 @@ mod tests {
 
     fn run(mut filter: MahonyFilter, runs: u32, motion: Increment, see: Evidence) -> MahonyFilter {
         for _ in 0..runs {
-            filter = filter.after(&motion, see);
+            filter = filter.after(&motion, see, &GAINS.estimate);
         }
         filter
     }
@@ -167,7 +170,7 @@ mod tests {
     fn a_tilted_estimate_levels_at_the_published_gain() {
         let start = tilted();
         let after = run(start, 4_000, still(1.0, 0.001), FLYING);
-        let expected = libm::expf(-4.0 * ESTIMATE_DCM_KP);
+        let expected = libm::expf(-4.0 * GAINS.estimate.dcm_kp);
         assert!((tilt(&after) / tilt(&start) - expected).abs() < 0.01);
     }
 
@@ -189,11 +192,11 @@ mod tests {
             for sample in 0..50 {
                 let trust = if sample % 3 == 0 { 1.0 } else { 0.4 };
                 let motion = still(trust, 0.001);
-                often = often.after(&motion, FLYING);
+                often = often.after(&motion, FLYING, &GAINS.estimate);
                 seen.down += motion.down;
                 seen.dt += motion.dt;
             }
-            rarely = rarely.after(&seen, FLYING);
+            rarely = rarely.after(&seen, FLYING, &GAINS.estimate);
         }
         let apart = often.attitude.error_to(rarely.attitude).max_norm();
         assert!(apart < 1e-4, "{apart}");
@@ -223,7 +226,7 @@ mod tests {
                 heading_error: Some(error),
                 standing: false,
             };
-            filter = filter.after(&still(1.0, 0.01), see);
+            filter = filter.after(&still(1.0, 0.01), see, &GAINS.estimate);
         }
         assert!((filter.attitude().heading() + 2.5).abs() < 1e-2);
         assert!(tilt(&filter) < 1e-3);
@@ -235,7 +238,10 @@ mod tests {
             heading_error: Some(1.0),
             standing: true,
         };
-        assert_eq!(tilted().after(&Increment::default(), see), tilted());
+        assert_eq!(
+            tilted().after(&Increment::default(), see, &GAINS.estimate),
+            tilted()
+        );
     }
 
     proptest! {
@@ -274,7 +280,7 @@ mod tests {
                     ..Increment::default()
                 };
                 let see = Evidence { heading_error: Some(heading), standing: true };
-                filter = filter.after(&motion, see);
+                filter = filter.after(&motion, see, &GAINS.estimate);
                 let length: f32 = filter.attitude.to_array().iter().map(|part| part * part).sum();
                 prop_assert!((length - 1.0).abs() < 1e-3, "{filter:?}");
                 prop_assert!(filter.feedback.max_norm() <= LARGEST_BIAS);

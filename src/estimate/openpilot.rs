@@ -13,8 +13,8 @@
 
 use super::Increment;
 use super::attitude::turned;
-use crate::config::openpilot::{ACCEL_KI, ACCEL_KP, BIAS_LIMIT, MAG_KP, YAW_BIAS_RATE};
 use crate::math::{Quaternion, Vec3, limited};
+use crate::settings::gains::openpilot::Estimate;
 use crate::units::BodyRates;
 
 /// Attitude estimate, body to Earth, and the gyroscope's bias.
@@ -67,7 +67,12 @@ impl OpenPilotFilter {
     /// `heading_error` is by how much (rad, clockwise) the estimate's heading falls short of a
     /// measured one, where there is one.
     #[must_use]
-    pub fn stepped(&self, motion: &Increment, heading_error: Option<f32>) -> Self {
+    pub fn stepped(
+        &self,
+        motion: &Increment,
+        heading_error: Option<f32>,
+        gains: &Estimate,
+    ) -> Self {
         if motion.dt <= 0.0 {
             return *self;
         }
@@ -75,15 +80,15 @@ impl OpenPilotFilter {
         let error = motion.down.cross(down);
         // Slower as it gets there, to second order: a rare step that took the first error for the
         // whole of it would end beyond frequent ones.
-        let slowing = 1.0 + 0.5 * ACCEL_KP * motion.down.dot(down).abs();
+        let slowing = 1.0 + 0.5 * gains.accel_kp * motion.down.dot(down).abs();
         let error = error * (1.0 / slowing);
-        let towards_heading = MAG_KP * heading_error.unwrap_or(0.0) * motion.dt;
-        let correction = error * ACCEL_KP + down * towards_heading;
+        let towards_heading = gains.mag_kp * heading_error.unwrap_or(0.0) * motion.dt;
+        let correction = error * gains.accel_kp + down * towards_heading;
         let angle = self.body_turn(motion);
         let unbiased = Increment { angle, ..*motion };
         Self {
             attitude: turned(self.attitude, &unbiased, correction),
-            bias: self.bias_after(error, angle),
+            bias: self.bias_after(error, angle, gains),
             correction,
         }
     }
@@ -106,14 +111,17 @@ impl OpenPilotFilter {
     }
 
     /// The bias after an error of gravity integrated over time (s) and a turn (rad).
-    fn bias_after(&self, error: Vec3, turn: Vec3) -> Vec3 {
+    fn bias_after(&self, error: Vec3, turn: Vec3, gains: &Estimate) -> Vec3 {
         // The error in the axes halfway through the turn: the bias is of the body.
         let error = error + error.cross(turn) * 0.5;
-        let learned = self.bias - error * ACCEL_KI;
+        let learned = self.bias - error * gains.accel_ki;
         Vec3::new(
-            limited(learned.x, BIAS_LIMIT),
-            limited(learned.y, BIAS_LIMIT),
-            limited(learned.z + turn.z * YAW_BIAS_RATE, BIAS_LIMIT),
+            limited(learned.x, gains.bias_limit_rad_s),
+            limited(learned.y, gains.bias_limit_rad_s),
+            limited(
+                learned.z + turn.z * gains.yaw_bias_rate,
+                gains.bias_limit_rad_s,
+            ),
         )
     }
 }
@@ -121,6 +129,7 @@ impl OpenPilotFilter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::openpilot::GAINS;
     use crate::math::wrapped;
     use crate::sensors::GRAVITY;
     use proptest::prelude::*;
@@ -145,7 +154,7 @@ mod tests {
     fn a_tilted_estimate_levels_while_gravity_is_seen() {
         let mut filter = OpenPilotFilter::default().aligned(Vec3::new(2.0, -1.0, -9.0));
         for _ in 0..20_000 {
-            filter = filter.stepped(&turning(Vec3::ZERO, level(), 0.001), None);
+            filter = filter.stepped(&turning(Vec3::ZERO, level(), 0.001), None, &GAINS.estimate);
         }
         let down = filter.attitude().down_in_body();
         assert!((down - level()).max_norm() < 0.02, "{down:?}");
@@ -156,7 +165,7 @@ mod tests {
         let bias = Vec3::new(0.02, -0.01, 0.0);
         let mut filter = OpenPilotFilter::default();
         for _ in 0..60_000 {
-            filter = filter.stepped(&turning(bias, level(), 0.05), None);
+            filter = filter.stepped(&turning(bias, level(), 0.05), None, &GAINS.estimate);
         }
         let left = filter.unbiased(BodyRates(bias)).0;
         assert!(left.max_norm() < 1e-3, "{left:?}");
@@ -169,7 +178,7 @@ mod tests {
         let yaw = Vec3::new(0.0, 0.0, 0.05);
         let mut filter = OpenPilotFilter::default();
         for _ in 0..100_000 {
-            filter = filter.stepped(&turning(yaw, level(), 0.02), None);
+            filter = filter.stepped(&turning(yaw, level(), 0.02), None, &GAINS.estimate);
         }
         let left = filter.unbiased(BodyRates(yaw)).0.z;
         assert!((left - 0.05 * libm::expf(-1.0)).abs() < 2e-3, "{left}");
@@ -180,7 +189,11 @@ mod tests {
         let mut filter = OpenPilotFilter::default();
         for _ in 0..100_000 {
             let error = wrapped(-3.0 - filter.attitude().heading());
-            filter = filter.stepped(&turning(Vec3::ZERO, level(), 0.01), Some(error));
+            filter = filter.stepped(
+                &turning(Vec3::ZERO, level(), 0.01),
+                Some(error),
+                &GAINS.estimate,
+            );
         }
         assert!((filter.attitude().heading() + 3.0).abs() < 1e-2);
     }
@@ -188,14 +201,17 @@ mod tests {
     #[test]
     fn without_time_nothing_advances() {
         let before = OpenPilotFilter::default().aligned(Vec3::new(2.0, -1.0, -9.0));
-        assert_eq!(before.stepped(&Increment::default(), Some(1.0)), before);
+        assert_eq!(
+            before.stepped(&Increment::default(), Some(1.0), &GAINS.estimate),
+            before
+        );
     }
 
     #[test]
     fn what_it_says_to_have_turned_is_what_it_turned() {
         let before = OpenPilotFilter::default().aligned(Vec3::new(0.5, -0.3, -9.7));
         let motion = turning(Vec3::new(0.2, 0.1, -0.1), level(), 0.05);
-        let after = before.stepped(&motion, Some(0.3));
+        let after = before.stepped(&motion, Some(0.3), &GAINS.estimate);
         let turned = after.turned(&before, &motion).estimate;
         let seen = before.attitude().error_to(after.attitude());
         assert!((seen - turned).max_norm() < 1e-4, "{seen:?} {turned:?}");
@@ -212,10 +228,10 @@ mod tests {
             let (mut often, mut rarely) = (start, start);
             let mut body = Quaternion::IDENTITY;
             for _ in 0..40 {
-                rarely = rarely.stepped(&turning(rates, body.down_in_body(), 0.05), Some(heading));
+                rarely = rarely.stepped(&turning(rates, body.down_in_body(), 0.05), Some(heading), &GAINS.estimate);
                 for _ in 0..50 {
                     let motion = turning(rates, body.down_in_body(), 0.001);
-                    often = often.stepped(&motion, Some(heading));
+                    often = often.stepped(&motion, Some(heading), &GAINS.estimate);
                     body = body.turned_by(rates * 0.001);
                 }
             }
@@ -234,11 +250,11 @@ mod tests {
             for ([x, y, z, down_x, down_y, down_z], heading, dt) in steps {
                 let down = Vec3::new(down_x, down_y, down_z) * (1.0 / 50.0);
                 let motion = turning(Vec3::new(x, y, z), down, dt);
-                filter = filter.stepped(&motion, Some(heading));
+                filter = filter.stepped(&motion, Some(heading), &GAINS.estimate);
                 let [w, i, j, k] = filter.attitude().to_array();
                 let length = w * w + i * i + j * j + k * k;
                 prop_assert!((length - 1.0).abs() < 0.05, "{}", length);
-                prop_assert!(filter.bias.max_norm() <= BIAS_LIMIT);
+                prop_assert!(filter.bias.max_norm() <= GAINS.estimate.bias_limit_rad_s);
             }
         }
     }

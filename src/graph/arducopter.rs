@@ -34,24 +34,28 @@
 //!   EKF3, GPS in the drift correction, wind;
 //! - what other than saturation and hover's tilt guards learning: landing detection.
 
-use super::{ControlLogic, place_inputs, standard_inputs};
+use super::{ControlLogic, place_inputs, standard_inputs, tuned};
 use crate::airframe::{MIXER, Mixed};
-use crate::config::arducopter::RATE_D_CUTOFF;
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::arducopter::{
-    Asked, Climb, Course, Lift, RateMemory, angle_loop, boosted, climbing, integrated, lifted,
-    moved, rate_loop, shared, steered,
+    Asked, Climb, Course, Lift, RateLoop, RateMemory, angle_loop, boosted, climbing, lifted, moved,
+    shared, steered,
 };
 use crate::control::{Goal, Setpoint};
 use crate::dataflow::graph;
 use crate::estimate::arducopter::DriftFilter;
 use crate::estimate::{Increment, Place, Rotation};
 use crate::math::{Quaternion, Vec3};
+use crate::settings::gains::arducopter::Gains;
 use crate::units::{Thrust, TorqueDemand};
 
 graph! {
     /// ArduCopter's angle, rate, position and altitude loops.
     pub struct ArduCopter;
+
+    /// Gains, as `config/logics/arducopter.toml` has them unless others are set.
+    param gains: Gains;
+    param rate_loop: RateLoop = RateLoop::new(&gains.rate);
 
     /// Sums of the arrival stage since the last run.
     input motion: Increment, every GYRO.period, gates if GYRO.gates, triggers;
@@ -69,40 +73,42 @@ graph! {
     input blind: bool, at 10 Hz, joins;
 
     /// The estimate: attitude and the gyroscope's drift.
-    state filter: DriftFilter = filter.after(&motion, heading), clocked by motion;
+    state filter: DriftFilter = filter.after(&motion, heading, &gains.estimate), clocked by motion;
     /// Attitude, body to Earth.
     node attitude: Quaternion = filter.attitude();
 
     /// Errors and integrals of the velocity.
-    state course: Course = moved(&course, &place, goal), clocked by place;
+    state course: Course = moved(&course, &place, goal, &gains), clocked by place;
     /// The attitude to fly: the lean towards the goal, or the setpoint.
-    node target: Setpoint = steered(goal, &course, &setpoint);
+    node target: Setpoint = steered(goal, &course, &setpoint, &gains);
     /// Vertical acceleration towards the goal.
-    node climb: Option<Climb> = climbing(goal, &course);
+    node climb: Option<Climb> = climbing(goal, &course, &gains);
 
     /// What the angle loop asks for.
-    node asked: Asked = angle_loop(attitude, &target);
+    node asked: Asked = angle_loop(attitude, &target, &gains.angle);
     /// Integrals and the filtered yaw error of the rate loop.
-    state rates: RateMemory = integrated(
+    state rates: RateMemory = rate_loop.after(
         &rates, &motion, filter.correction(), &last asked, &asked, &last command
     ), clocked by motion;
     /// What the rate loop asks for.
-    node torque: TorqueDemand = rate_loop(&rates, &asked, &rotation, blind);
+    node torque: TorqueDemand = rate_loop.demand(&rates, &asked, &rotation, blind);
 
     /// Thrust of the altitude loop, and of hover as learned.
     state lift: Lift = lifted(
-        &lift, &motion, attitude, last climb, &setpoint, &last command
-    ), clocked by motion;
+        &lift, &motion, attitude, last climb, &setpoint, &last command, &gains
+    ), clocked by motion, starting Lift::hovering(gains.thrust.hover);
     /// Thrust, boosted by what the lean takes from it.
     node thrust: Thrust = boosted(climb, &lift, &setpoint, attitude);
     /// Thrust that hover needs.
     node hover: f32 = lift.hover();
     /// The motor vector.
-    output command: Mixed = shared(&MIXER, torque, thrust, hover);
+    output command: Mixed = shared(&MIXER, torque, thrust, hover, &gains.thrust);
 }
 
+tuned!(ArduCopter, arducopter);
+
 impl ControlLogic for ArduCopter {
-    standard_inputs!("arducopter", RATE_D_CUTOFF);
+    standard_inputs!("arducopter");
     place_inputs!(logic => *logic.thrust());
 
     fn align(&mut self, force: Vec3) {

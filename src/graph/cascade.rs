@@ -11,19 +11,32 @@
 //! `motion` sums what the MPU6050's gyroscope and accelerometer saw since the last run; it clocks
 //! every state, so that what they come to does not depend on how often control runs.
 
-use super::{ControlLogic, standard_inputs};
+use super::{ControlLogic, standard_inputs, tuned};
 use crate::airframe::{MIXER, Mixed};
-use crate::config::cascade::RATE_D_CUTOFF;
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::{AttitudeLaw, RateInput, RateLaw, RateState, RateStretch, Setpoint, Wanted};
 use crate::dataflow::graph;
-use crate::estimate::{AttitudeFilter, Increment, Rotation};
+use crate::estimate::{AttitudeFilter, Corrections, Increment, Rotation};
 use crate::math::{Quaternion, Vec3};
+use crate::settings::gains::cascade::Gains;
 use crate::units::TorqueDemand;
 
 graph! {
     /// Attitude and rate loops in cascade, on a complementary filter.
     pub struct Cascade;
+
+    /// Gains, as `config/logics/cascade.toml` has them unless others are set.
+    param gains: Gains;
+    param corrections: Corrections = Corrections {
+        gravity: gains.estimate.accel_correction,
+        heading: gains.estimate.heading_correction,
+    };
+    param attitude_law: AttitudeLaw = AttitudeLaw::new(
+        gains.attitude.p, gains.attitude.rate_limit_rad_s
+    );
+    param rate_law: RateLaw = RateLaw::new(
+        [gains.rate.p, gains.rate.i, gains.rate.d], gains.rate.integral_limit
+    );
 
     /// Sums of the arrival stage since the last run.
     input motion: Increment, every GYRO.period, gates if GYRO.gates, triggers;
@@ -37,56 +50,53 @@ graph! {
     input blind: bool, at 10 Hz, joins;
 
     /// The attitude estimate.
-    state filter: AttitudeFilter = filter.stepped(&motion, heading), clocked by motion;
+    state filter: AttitudeFilter = filter.stepped(&motion, heading, &corrections), clocked by motion;
     /// Attitude, body to Earth.
     node attitude: Quaternion = filter.attitude();
     /// What the attitude loop asks for.
-    node wanted: Wanted = ATTITUDE_LAW.wanted(attitude, &setpoint);
+    node wanted: Wanted = attitude_law.wanted(attitude, &setpoint);
     /// Integral terms of the rate loop.
-    state integrals: RateState = integrated(
-        &integrals, &motion, heading, &last filter, &last wanted, &wanted, &last command
-    ), clocked by motion;
+    state integrals: RateState = rate_law.after(&integrals, &stretch(
+        &motion, last filter.correction(&motion, heading, &corrections),
+        &last wanted, &wanted, last command.saturated
+    )), clocked by motion;
     /// What the rate loop asks for; nothing while blind, as the last demand would turn the drone over.
     node torque: TorqueDemand = if blind {
         TorqueDemand::default()
     } else {
-        RATE_LAW.demand(&integrals, &RateInput::of(wanted.rates, &rotation))
+        rate_law.demand(&integrals, &RateInput::of(wanted.rates, &rotation))
     };
     /// The motor vector.
     output command: Mixed = MIXER.mix(torque, setpoint.thrust);
 }
 
-const ATTITUDE_LAW: AttitudeLaw = AttitudeLaw::CONFIGURED;
-const RATE_LAW: RateLaw = RateLaw::CONFIGURED;
-
-/// The integrals after this motion, in which the desired rates moved from one value to another.
+/// A motion as the rate loop's integrals see it, in which the desired rates moved from one value
+/// to another.
 ///
 /// They move with the angle turned, to first order; what is left grows from nothing and enters
-/// with a third of its end, as of a parabola.
-pub fn integrated(
-    state: &RateState,
+/// with a third of its end, as of a parabola. `correction` is the turn (rad) that put the estimate
+/// right, evenly over the time.
+fn stretch(
     motion: &Increment,
-    heading: Option<f32>,
-    before: &AttitudeFilter,
+    correction: Vec3,
     wanted_before: &Wanted,
     wanted: &Wanted,
-    command: &Mixed,
-) -> RateState {
-    let correction = before.correction(motion, heading);
-    // Evenly over the time.
+    saturated: bool,
+) -> RateStretch {
     let corrected = correction * (0.5 * motion.dt);
     let linear = wanted_before.integrated(motion.swept + corrected, motion.dt);
     let beside = wanted.rates.0 - wanted_before.after_turn(motion.angle + correction).0;
-    let stretch = RateStretch {
+    RateStretch {
         wanted: linear + beside * (motion.dt * (1.0 / 3.0)),
         turned: motion.angle,
-        saturated: command.saturated,
-    };
-    RATE_LAW.after(state, &stretch)
+        saturated,
+    }
 }
 
+tuned!(Cascade, cascade);
+
 impl ControlLogic for Cascade {
-    standard_inputs!("cascade", RATE_D_CUTOFF);
+    standard_inputs!("cascade");
 
     fn align(&mut self, force: Vec3) {
         self.set_filter(self.filter().aligned(force));

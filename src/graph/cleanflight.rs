@@ -21,9 +21,8 @@
 //! The LSM303AGR's gives the heading's field its vertical only. A goal is flown from the first
 //! place behind it on, until it goes; the sticks of the original are the setpoint.
 
-use super::{ControlLogic, place_inputs, standard_inputs};
+use super::{ControlLogic, place_inputs, standard_inputs, tuned};
 use crate::airframe::{MIXER, Mixed};
-use crate::config::cleanflight::RATE_D_CUTOFF;
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::cleanflight::{
     Aim, Climb, Hold, RateIntegrals, Sight, Stretch, aimed, climbing, demand, held, integrated,
@@ -33,11 +32,15 @@ use crate::control::{Goal, Setpoint, Wanted};
 use crate::dataflow::graph;
 use crate::estimate::{Evidence, Increment, MahonyFilter, Place, Rotation};
 use crate::math::{Quaternion, Vec3};
+use crate::settings::gains::cleanflight::Gains;
 use crate::units::TorqueDemand;
 
 graph! {
     /// Cleanflight's Mahony filter, level mode, floating-point PID and air mode.
     pub struct Cleanflight;
+
+    /// Gains, as `config/logics/cleanflight.toml` has them unless others are set.
+    param gains: Gains;
 
     /// Sums of the arrival stage since the last run.
     input motion: Increment, every GYRO.period, gates if GYRO.gates, triggers;
@@ -58,21 +61,21 @@ graph! {
     state filter: MahonyFilter = filter.after(&motion, Evidence {
         heading_error: heading,
         standing: last aim.thrust.share() <= 0.0,
-    }), clocked by motion;
+    }, &gains.estimate), clocked by motion;
     /// Attitude, body to Earth.
     node attitude: Quaternion = filter.attitude();
     /// Vertical acceleration.
-    state climb: Climb = climbing(&climb, &motion, attitude), clocked by motion;
+    state climb: Climb = climbing(&climb, &motion, attitude, &gains.altitude), clocked by motion;
     /// Altitude and GPS hold.
     state hold: Hold = held(&hold, &Sight {
         goal,
         place,
         thrust: setpoint.thrust,
-    }, &climb), clocked by place;
+    }, &climb, &gains), clocked by place;
     /// Lean, heading, rates and thrust: the setpoint's or the hold's.
-    node aim: Aim = aimed(&setpoint, goal, &hold, attitude);
+    node aim: Aim = aimed(&setpoint, goal, &hold, attitude, &gains);
     /// Desired rates.
-    node wanted: Wanted = level(attitude, &aim);
+    node wanted: Wanted = level(attitude, &aim, &gains.level);
     /// Integral terms of the rate PID.
     state integrals: RateIntegrals = integrated(&integrals, &Stretch {
         motion: &motion,
@@ -81,15 +84,17 @@ graph! {
         correction: filter.correction(),
         aim: &last aim,
         down: filter.down_before(),
-    }, &last command), clocked by motion;
+    }, &last command, &gains), clocked by motion;
     /// What the rate PID asks for.
-    node torque: TorqueDemand = demand(&integrals, &wanted, &rotation, &aim, blind);
+    node torque: TorqueDemand = demand(&integrals, &wanted, &rotation, &aim, blind, &gains);
     /// The motor vector.
     output command: Mixed = MIXER.mix_evenly(torque, aim.thrust);
 }
 
+tuned!(Cleanflight, cleanflight);
+
 impl ControlLogic for Cleanflight {
-    standard_inputs!("cleanflight", RATE_D_CUTOFF);
+    standard_inputs!("cleanflight");
     place_inputs!(logic => logic.aim().thrust);
 
     fn align(&mut self, force: Vec3) {
@@ -104,6 +109,7 @@ impl ControlLogic for Cleanflight {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::cleanflight::GAINS;
     use crate::estimate::Arrival;
     use crate::graph::testing::{settled, turning, visited};
     use crate::sensors::{GRAVITY, ImuSample};
@@ -225,7 +231,7 @@ mod tests {
                     rates: BodyRates(self.rates),
                     force: SpecificForce(self.attitude.to_body(Vec3::new(0.0, 0.0, -GRAVITY))),
                 };
-                assert!(self.arrival.take(&sample, RATE_D_CUTOFF));
+                assert!(self.arrival.take(&sample, GAINS.rate.d_cutoff_hz));
                 if self.at.is_multiple_of(every) {
                     self.graph.take(&self.arrival.take_motion(), None);
                     self.graph.run();
@@ -273,8 +279,8 @@ mod tests {
                     rates: BodyRates(Vec3::new(roll, pitch, yaw) * swing),
                     force: SpecificForce(Vec3::new(0.0, 0.0, -GRAVITY)),
                 };
-                prop_assert!(each.take(&sample, RATE_D_CUTOFF));
-                prop_assert!(some.take(&sample, RATE_D_CUTOFF));
+                prop_assert!(each.take(&sample, GAINS.rate.d_cutoff_hz));
+                prop_assert!(some.take(&sample, GAINS.rate.d_cutoff_hz));
                 often.take(&each.take_motion(), None);
                 often.run();
                 // Where that begins between runs, states take the motion so far.

@@ -74,9 +74,18 @@ pub trait ControlLogic {
     fn mixed(&self) -> &Mixed;
 }
 
+/// A control logic that is made of its gains, by default those that were built in.
+pub trait Tuned: ControlLogic + Default {
+    /// Its gains.
+    type Gains: Copy + Default;
+
+    /// The logic with these gains, before it has flown.
+    fn with(gains: Self::Gains) -> Self;
+}
+
 /// The part of [`ControlLogic`] that only hands on to inputs and values of the usual names.
 macro_rules! standard_inputs {
-    ($name:literal, $derivative_cutoff:expr) => {
+    ($name:literal) => {
         fn name(&self) -> &'static str {
             $name
         }
@@ -86,7 +95,7 @@ macro_rules! standard_inputs {
         }
 
         fn derivative_cutoff(&self) -> f32 {
-            $derivative_cutoff
+            self.gains().rate.d_cutoff_hz
         }
 
         fn take(&mut self, motion: &$crate::estimate::Motion, heading: Option<f32>) {
@@ -153,4 +162,23 @@ macro_rules! place_inputs {
     };
 }
 
-pub(super) use {place_inputs, standard_inputs};
+/// A logic's gains: their type, and those that were built in.
+macro_rules! tuned {
+    ($logic:ident, $module:ident) => {
+        impl $crate::graph::Tuned for $logic {
+            type Gains = $crate::settings::gains::$module::Gains;
+
+            fn with(gains: Self::Gains) -> Self {
+                Self::new(gains)
+            }
+        }
+
+        impl Default for $logic {
+            fn default() -> Self {
+                Self::new($crate::config::$module::GAINS)
+            }
+        }
+    };
+}
+
+pub(super) use {place_inputs, standard_inputs, tuned};

@@ -11,21 +11,32 @@
 //! What the time that rare runs leave can buy: a model of the motors in the loop. `observed` holds
 //! what it cannot explain.
 
-use super::{ControlLogic, standard_inputs};
+use super::{ControlLogic, standard_inputs, tuned};
 use crate::airframe::{MIXER, Mixed};
-use crate::config::observer::RATE_D_CUTOFF;
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::{
     AttitudeLaw, ObserverLaw, ObserverState, ObserverStretch, RateInput, Setpoint, Wanted,
 };
 use crate::dataflow::graph;
-use crate::estimate::{AttitudeFilter, Increment, Rotation};
+use crate::estimate::{AttitudeFilter, Corrections, Increment, Rotation};
 use crate::math::{Quaternion, Vec3};
+use crate::settings::gains::observer::Gains;
 use crate::units::TorqueDemand;
 
 graph! {
     /// Attitude and rate loops in cascade, with a disturbance observer.
     pub struct Observer;
+
+    /// Gains, as `config/logics/observer.toml` has them unless others are set.
+    param gains: Gains;
+    param corrections: Corrections = Corrections {
+        gravity: gains.estimate.accel_correction,
+        heading: gains.estimate.heading_correction,
+    };
+    param attitude_law: AttitudeLaw = AttitudeLaw::new(
+        gains.attitude.p, gains.attitude.rate_limit_rad_s
+    );
+    param observer_law: ObserverLaw = ObserverLaw::new(&gains);
 
     /// Sums of the arrival stage since the last run.
     input motion: Increment, every GYRO.period, gates if GYRO.gates, triggers;
@@ -39,13 +50,13 @@ graph! {
     input blind: bool, at 10 Hz, joins;
 
     /// The attitude estimate.
-    state filter: AttitudeFilter = filter.stepped(&motion, heading), clocked by motion;
+    state filter: AttitudeFilter = filter.stepped(&motion, heading, &corrections), clocked by motion;
     /// Attitude, body to Earth.
     node attitude: Quaternion = filter.attitude();
     /// What the attitude loop asks for.
-    node wanted: Wanted = ATTITUDE_LAW.wanted(attitude, &setpoint);
+    node wanted: Wanted = attitude_law.wanted(attitude, &setpoint);
     /// What turns the body besides the motors.
-    state observed: ObserverState = OBSERVER_LAW.after(&observed, &ObserverStretch {
+    state observed: ObserverState = observer_law.after(&observed, &ObserverStretch {
         asked: last torque,
         rates: rotation.rates,
         dt: motion.dt,
@@ -55,17 +66,16 @@ graph! {
     node torque: TorqueDemand = if blind {
         TorqueDemand::default()
     } else {
-        OBSERVER_LAW.demand(&observed, &RateInput::of(wanted.rates, &rotation))
+        observer_law.demand(&observed, &RateInput::of(wanted.rates, &rotation))
     };
     /// The motor vector.
     output command: Mixed = MIXER.mix(torque, setpoint.thrust);
 }
 
-const ATTITUDE_LAW: AttitudeLaw = AttitudeLaw::CONFIGURED;
-const OBSERVER_LAW: ObserverLaw = ObserverLaw::CONFIGURED;
+tuned!(Observer, observer);
 
 impl ControlLogic for Observer {
-    standard_inputs!("observer", RATE_D_CUTOFF);
+    standard_inputs!("observer");
 
     fn align(&mut self, force: Vec3) {
         self.set_filter(self.filter().aligned(force));

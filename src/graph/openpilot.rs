@@ -19,9 +19,8 @@
 //! Left out: modes for sticks only (axis lock, weak levelling, virtual bar, rattitude), cruise
 //! control, landing, and scaling of gains by thrust.
 
-use super::{ControlLogic, place_inputs, standard_inputs};
+use super::{ControlLogic, place_inputs, standard_inputs, tuned};
 use crate::airframe::{MIXER, Mixed};
-use crate::config::openpilot::RATE_D_CUTOFF;
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::openpilot::{
     AttitudeError, ErrorStretch, Integrals, PathFollower, PathState, Stabilization,
@@ -31,11 +30,17 @@ use crate::control::{Goal, RateInput, Setpoint};
 use crate::dataflow::graph;
 use crate::estimate::{Increment, OpenPilotFilter, Place, Rotation};
 use crate::math::{Quaternion, Vec3};
+use crate::settings::gains::openpilot::Gains;
 use crate::units::{BodyRates, TorqueDemand};
 
 graph! {
     /// Attitude PI, rate PID, path follower, on a filter that learns the bias.
     pub struct OpenPilot;
+
+    /// Gains, as `config/logics/openpilot.toml` has them unless others are set.
+    param gains: Gains;
+    param path_follower: PathFollower = PathFollower::new(&gains);
+    param stabilization: Stabilization = Stabilization::new(&gains);
 
     /// Sums of the arrival stage since the last run.
     input motion: Increment, every GYRO.period, gates if GYRO.gates, triggers;
@@ -53,30 +58,30 @@ graph! {
     input blind: bool, at 10 Hz, joins;
 
     /// The estimate of attitude and gyroscope bias.
-    state filter: OpenPilotFilter = filter.stepped(&motion, heading), clocked by motion;
+    state filter: OpenPilotFilter = filter.stepped(&motion, heading, &gains.estimate), clocked by motion;
     /// Attitude, body to Earth.
     node attitude: Quaternion = filter.attitude();
     /// Integral terms of position and altitude loops.
-    state path: PathState = PathFollower.after(
+    state path: PathState = path_follower.after(
         &path, &place, goal.as_ref(), last target.thrust
     ), clocked by place;
     /// The setpoint in force: the goal's, where there is one, else the outside's.
     node target: Setpoint = goal
-        .and_then(|flown_to| PathFollower.setpoint(&path, &place, &flown_to))
+        .and_then(|flown_to| path_follower.setpoint(&path, &place, &flown_to))
         .unwrap_or(setpoint);
     /// Integral terms of attitude and rate loops.
-    state integrals: Integrals = integrated(
-        &integrals, &motion, &last filter, &filter, &last target, &rotation
-    ), clocked by motion;
+    state integrals: Integrals = stabilization.after(&integrals, &last target, &stretch(
+        &motion, &last filter, &filter, &last target, &rotation
+    )), clocked by motion;
     /// What the attitude loop asks for.
-    node wanted: BodyRates = LAW.wanted(
+    node wanted: BodyRates = stabilization.wanted(
         &AttitudeError::of(attitude, &target), &integrals, &target
     );
     /// What the rate loop asks for; nothing while blind, as the last demand would turn the drone over.
     node torque: TorqueDemand = if blind {
         TorqueDemand::default()
     } else {
-        LAW.demand(&integrals, &RateInput {
+        stabilization.demand(&integrals, &RateInput {
             measured: filter.unbiased(rotation.rates),
             ..RateInput::of(wanted, &rotation)
         })
@@ -85,20 +90,17 @@ graph! {
     output command: Mixed = MIXER.mix(torque, target.thrust);
 }
 
-const LAW: Stabilization = Stabilization::CONFIGURED;
-
-/// The integrals after this motion, which was flown with the setpoint before.
-pub fn integrated(
-    integrals: &Integrals,
+/// A motion as the integrals see it, which was flown with the setpoint before.
+fn stretch(
     motion: &Increment,
     before: &OpenPilotFilter,
     after: &OpenPilotFilter,
     target: &Setpoint,
     rotation: &Rotation,
-) -> Integrals {
+) -> StabilizedStretch {
     let [start, end] = [before, after].map(|filter| AttitudeError::of(filter.attitude(), target));
     let turned = after.turned(before, motion);
-    let stretch = StabilizedStretch {
+    StabilizedStretch {
         error: ErrorStretch::of_turn(
             [start.angle, end.angle],
             [turned.estimate, turned.swept],
@@ -108,12 +110,13 @@ pub fn integrated(
         axes: start.axes,
         turned: turned.body,
         measured: after.unbiased(rotation.rates),
-    };
-    LAW.after(integrals, target, &stretch)
+    }
 }
 
+tuned!(OpenPilot, openpilot);
+
 impl ControlLogic for OpenPilot {
-    standard_inputs!("openpilot", RATE_D_CUTOFF);
+    standard_inputs!("openpilot");
     place_inputs!(logic => logic.target().thrust);
 
     fn align(&mut self, force: Vec3) {

@@ -50,7 +50,7 @@ impl Page {
             ("pointer_vector", pointer_vector::graph(&plan)),
         ];
         let ways = ways.map(|(way, graph)| self.module(way, &graph, &plan));
-        let of_page = way(&plan, &quote!(reflex::graph::#own));
+        let of_page = self.way(&plan, &quote!(reflex::graph::#own));
         let doc = format!("`src/graph/{name}.rs` in every way.");
         Ok(quote! {
             #[doc = #doc]
@@ -67,7 +67,7 @@ impl Page {
         let items = self.file.items.iter().filter(|item| is_kept(item));
         let items = items.map(|item| outside_the_library(item.to_token_stream()));
         let (module, own) = (format_ident!("{name}"), &self.graph.name);
-        let way = way(plan, &quote!(#own));
+        let way = self.way(plan, &quote!(#own));
         let doc = format!("As `{name}`.");
         let graph = outside_the_library(graph.clone());
         quote! {
@@ -77,6 +77,32 @@ impl Page {
                 #(#items)*
                 #graph
                 #way
+            }
+        }
+    }
+
+    /// How the graph begins, and takes a step: each input by its name.
+    fn way(&self, plan: &Plan, of_type: &TokenStream) -> TokenStream {
+        let page = &self.name;
+        let inputs = plan.inputs().map(|value| {
+            let (name, setter) = (&value.name, format_ident!("set_{}", value.name));
+            quote! {
+                if let Some(value) = step.#name {
+                    self.#setter(value);
+                }
+            }
+        });
+        quote! {
+            impl crate::ways::Way for #of_type {
+                fn configured() -> Self {
+                    Self::new(reflex::config::#page::GAINS)
+                }
+
+                fn take(&mut self, step: &crate::step::Step) -> reflex::airframe::MotorShares {
+                    #(#inputs)*
+                    let _ = self.propagate();
+                    self.command().shares
+                }
             }
         }
     }
@@ -91,11 +117,10 @@ fn declaration(item: &Item) -> Option<TokenStream> {
     is_graph.then(|| item.mac.tokens.clone())
 }
 
-/// All but the graph, its tests, and what connects it with the autopilot.
+/// All but the graph itself, its tests, and what connects it with the autopilot.
 fn is_kept(item: &Item) -> bool {
     match item {
-        Item::Mod(_) => false,
-        Item::Macro(_) => declaration(item).is_none(),
+        Item::Mod(_) | Item::Macro(_) => false,
         Item::Impl(item) => item.trait_.is_none(),
         Item::Use(item) => !matches!(&item.tree, UseTree::Path(path) if path.ident == "super"),
         _ => true,
@@ -113,25 +138,4 @@ fn outside_the_library(tokens: TokenStream) -> TokenStream {
         other => other,
     };
     tokens.into_iter().map(token).collect()
-}
-
-/// How the graph takes a step: each input by its name.
-fn way(plan: &Plan, of_type: &TokenStream) -> TokenStream {
-    let inputs = plan.inputs().map(|value| {
-        let (name, setter) = (&value.name, format_ident!("set_{}", value.name));
-        quote! {
-            if let Some(value) = step.#name {
-                self.#setter(value);
-            }
-        }
-    });
-    quote! {
-        impl crate::ways::Way for #of_type {
-            fn take(&mut self, step: &crate::step::Step) -> reflex::airframe::MotorShares {
-                #(#inputs)*
-                let _ = self.propagate();
-                self.command().shares
-            }
-        }
-    }
 }

@@ -40,22 +40,23 @@ mod program {
     #[cortex_m_rt::entry]
     fn main() -> ! {
         refill();
-        macro_rules! compare {
-            ($module:ident::$graph:ident) => {
-                compare(
-                    &mut ways::$module::straight_line::$graph::new(),
-                    &mut graph::$graph::new(),
-                )
+        let asked = given()[0].load(Ordering::Relaxed);
+        macro_rules! compare_asked {
+            ($($(#[$doc:meta])* $module:ident: $name:literal, $Logic:ident;)*) => {
+                let mut place = 0;
+                $(
+                    if asked == place {
+                        compare(
+                            &mut ways::$module::straight_line::$Logic::configured(),
+                            &mut graph::$Logic::configured(),
+                        );
+                    }
+                    place += 1;
+                )*
+                assert!(asked < place, "no control logic has the place {asked}");
             };
         }
-        match given()[0].load(Ordering::Relaxed) {
-            0 => compare!(cascade::Cascade),
-            1 => compare!(arducopter::ArduCopter),
-            2 => compare!(cleanflight::Cleanflight),
-            3 => compare!(openpilot::OpenPilot),
-            4 => compare!(observer::Observer),
-            other => panic!("no control logic has the place {other}"),
-        }
+        reflex_settings::control_logics!(compare_asked);
         done();
         loop {
             cortex_m::asm::wfi();

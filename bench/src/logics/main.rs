@@ -1,7 +1,7 @@
 //! Runs every control logic in every way over the same steps, between marks.
 //!
 //! Whoever watches the function `mark` sees it called before and after each step of each way, in
-//! the order of [`reflex_bench::LOGICS`], ways as in [`reflex_bench::ways`]. The steps stand in
+//! the order of [`reflex_settings::gains::LOGICS`], ways as in [`reflex_bench::ways`]. The steps stand in
 //! flash: whoever starts the program writes them over those of the file. A way that comes to
 //! another command than ours stops the program; the time-triggered one
 //! only as long as every step sets every input.
@@ -28,32 +28,34 @@ mod program {
 
     /// Which logic, how many steps, then their words: see [`reflex_bench::STEPS_SYMBOL`].
     static GIVEN: [u32; 2 + STEPS * STEP_WORDS] = [0; 2 + STEPS * STEP_WORDS];
-    const LOGICS: u32 = reflex_bench::LOGICS.len() as u32;
+    const LOGICS: u32 = reflex_settings::gains::LOGICS.len() as u32;
 
-    /// Runs a logic in every way over the given steps, where it is asked for.
+    /// Runs each logic of the one list in every way over the given steps, where it is asked for.
     macro_rules! in_every_way {
-        ($place:literal, $module:ident::$graph:ident) => {
-            if matches!(black_box(&GIVEN)[0], $place | LOGICS..) {
-                compare(
-                    &mut ways::$module::straight_line::$graph::new(),
-                    &mut graph::$graph::new(),
-                    &mut ways::$module::callbacks::$graph::new(),
-                    &mut ways::$module::pointer_vector::$graph::new(),
-                )
-            }
+        ($($(#[$doc:meta])* $module:ident: $name:literal, $Logic:ident;)*) => {
+            let mut place = 0;
+            $(
+                if matches!(black_box(&GIVEN)[0], asked if asked == place || asked >= LOGICS) {
+                    compare(
+                        &mut ways::$module::straight_line::$Logic::configured(),
+                        &mut graph::$Logic::configured(),
+                        &mut ways::$module::callbacks::$Logic::configured(),
+                        &mut ways::$module::pointer_vector::$Logic::configured(),
+                    )
+                }
+                place += 1;
+            )*
+            assert!(place == LOGICS);
         };
     }
+
     #[cortex_m_rt::entry]
     fn main() -> ! {
         let mut core = cortex_m::Peripherals::take().expect("taken once");
         core.DCB.enable_trace();
         core.DWT.enable_cycle_counter();
         measured(|| ());
-        in_every_way!(0, cascade::Cascade);
-        in_every_way!(1, arducopter::ArduCopter);
-        in_every_way!(2, cleanflight::Cleanflight);
-        in_every_way!(3, openpilot::OpenPilot);
-        in_every_way!(4, observer::Observer);
+        reflex_settings::control_logics!(in_every_way);
         done();
         loop {
             cortex_m::asm::wfi();

@@ -8,7 +8,7 @@ use clap::ValueEnum;
 use reflex::dataflow::Source;
 use reflex::graph::ControlLogic;
 use reflex_bench::step::Step;
-use reflex_bench::{LOGICS, STEPS, STEPS_SYMBOL, WAYS};
+use reflex_bench::{STEPS, STEPS_SYMBOL, WAYS};
 use serde::Serialize;
 
 use super::parts::{Program, at_rest};
@@ -176,7 +176,7 @@ impl LogicProgram {
     }
 
     /// Every logic over made-up steps.
-    pub(super) fn measure(&self) -> Result<Vec<LogicCost>> {
+    pub(super) fn measure(&self) -> Result<Vec<(LogicName, LogicCost)>> {
         let cases = cases();
         let steps: Vec<Step> = cases.iter().map(|case| case.step).collect();
         let logics = LogicName::value_variants().iter();
@@ -201,7 +201,7 @@ impl LogicProgram {
             };
             let counts = |step: &usize| cases[*step].alone.is_none_or(has);
             let (ram_bytes, stored_bytes) = name.bytes();
-            Ok(LogicCost {
+            let cost = LogicCost {
                 name: name.word().to_owned(),
                 everything: WayCost::mean(&ways, |step| cases[step].alone.is_none()),
                 by_input: of(|cost| cost.reactive),
@@ -214,7 +214,8 @@ impl LogicProgram {
                 ram_bytes,
                 stored_bytes,
                 flights: Vec::new(),
-            })
+            };
+            Ok((*name, cost))
         });
         costs.collect()
     }
@@ -257,10 +258,8 @@ impl LogicProgram {
 
     /// Instructions of one logic, in every way, for each step.
     fn run(&self, name: LogicName, steps: &[Step]) -> Result<[Counts; WAYS]> {
-        let place = LOGICS.iter().position(|it| *it == name.word());
-        let place = place.ok_or_else(|| anyhow::anyhow!("{} is not measured", name.word()))?;
         let mut elf = self.elf.clone();
-        elf.overwrite(&STEPS_SYMBOL, &image(place, steps))?;
+        elf.overwrite(&STEPS_SYMBOL, &image(name.place(), steps))?;
         let pairs = Program::new(&Arc::new(elf))?.run(at_rest())?;
         let expected = 1 + steps.len() * WAYS;
         ensure!(

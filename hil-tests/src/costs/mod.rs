@@ -22,7 +22,6 @@ mod table;
 mod tests;
 
 use anyhow::Result;
-use clap::ValueEnum;
 
 pub use logics::{FlightCost, LogicCost, WayCost};
 #[cfg(test)]
@@ -67,9 +66,10 @@ pub fn measure(flights: &[Flight], progress: &mut dyn Progress) -> Result<Costs>
 /// As those of [`measure`].
 pub fn measure_logics(flights: &[Flight], progress: &mut dyn Progress) -> Result<Vec<LogicCost>> {
     let program = LogicProgram::build(progress)?;
-    let mut logics = program.measure()?;
-    for (name, cost) in LogicName::value_variants().iter().zip(&mut logics) {
-        cost.flights = program.measure_flights(*name, flights, progress)?;
-    }
-    Ok(logics)
+    let measured = program.measure()?.into_iter();
+    let with_flights = measured.map(|(name, mut cost)| {
+        cost.flights = program.measure_flights(name, flights, progress)?;
+        Ok(cost)
+    });
+    with_flights.collect()
 }

@@ -5,9 +5,8 @@ mod whole;
 
 use rayon::prelude::*;
 use reflex::airframe::MotorShares;
-use reflex::graph::{ArduCopter, Cascade, Cleanflight, Observer, OpenPilot};
 use reflex_bench::step::Step;
-use reflex_bench::ways::{Way, arducopter, cascade, cleanflight, observer, openpilot};
+use reflex_bench::ways::{self, Way};
 
 use super::*;
 use crate::native::fly;
@@ -19,23 +18,19 @@ type Ways = [Box<dyn Way>; 4];
 
 /// The logic of a name, at its start.
 fn ways(name: LogicName) -> Ways {
-    macro_rules! of {
-        ($module:ident::$graph:ident) => {
-            [
-                Box::new($module::straight_line::$graph::new()),
-                Box::new($graph::new()),
-                Box::new($module::callbacks::$graph::new()),
-                Box::new($module::pointer_vector::$graph::new()),
-            ]
+    macro_rules! ways_of {
+        ($($(#[$doc:meta])* $module:ident: $name:literal, $Logic:ident;)*) => {
+            match name {
+                $(LogicName::$Logic => [
+                    Box::new(ways::$module::straight_line::$Logic::configured()),
+                    Box::new(graph::$Logic::configured()),
+                    Box::new(ways::$module::callbacks::$Logic::configured()),
+                    Box::new(ways::$module::pointer_vector::$Logic::configured()),
+                ],)*
+            }
         };
     }
-    match name {
-        LogicName::Cascade => of!(cascade::Cascade),
-        LogicName::ArduCopter => of!(arducopter::ArduCopter),
-        LogicName::Cleanflight => of!(cleanflight::Cleanflight),
-        LogicName::OpenPilot => of!(openpilot::OpenPilot),
-        LogicName::Observer => of!(observer::Observer),
-    }
+    reflex_settings::control_logics!(ways_of)
 }
 
 fn bits(command: MotorShares) -> [u32; reflex::config::MOTORS] {

@@ -3,9 +3,9 @@
 use core::f32::consts::{FRAC_PI_3, FRAC_PI_6};
 
 use super::approach::{Approach, approach};
-use crate::config::arducopter::{ANGLE_ACCELERATION, ANGLE_P, YAW_ERROR_LIMIT};
 use crate::control::{Setpoint, Wanted, Yaw};
 use crate::math::{Quaternion, Vec3, atan2, between, limited, sqrt, wrapped};
+use crate::settings::gains::arducopter::Angle;
 use crate::units::BodyRates;
 
 /// What the angle loop asks for.
@@ -21,7 +21,7 @@ pub struct Asked {
 
 /// Body rates that bring the attitude to the setpoint's, its own rates added.
 #[must_use]
-pub fn angle_loop(attitude: Quaternion, setpoint: &Setpoint) -> Asked {
+pub fn angle_loop(attitude: Quaternion, setpoint: &Setpoint, gains: &Angle) -> Asked {
     let Some(target) = setpoint.attitude else {
         return Asked {
             wanted: Wanted {
@@ -35,17 +35,19 @@ pub fn angle_loop(attitude: Quaternion, setpoint: &Setpoint) -> Asked {
         Yaw::Heading => thrust_then_heading(attitude, target),
         Yaw::Rate => thrust_alone(attitude, target),
     };
-    let [px, py, pz] = ANGLE_P;
-    let [ax, ay, az] = ANGLE_ACCELERATION;
+    let [px, py, pz] = gains.p;
+    let [ax, ay, az] = gains.acceleration_rad_s2;
     let [x, y] = [
         approach(error.turn.x, px, ax),
         approach(error.turn.y, py, ay),
     ];
     let z = match setpoint.yaw {
-        Yaw::Heading if error.turn.z.abs() <= YAW_ERROR_LIMIT => approach(error.turn.z, pz, az),
+        Yaw::Heading if error.turn.z.abs() <= gains.yaw_error_limit_rad => {
+            approach(error.turn.z, pz, az)
+        }
         Yaw::Heading => Approach {
             slope: 0.0,
-            ..approach(limited(error.turn.z, YAW_ERROR_LIMIT), pz, az)
+            ..approach(limited(error.turn.z, gains.yaw_error_limit_rad), pz, az)
         },
         Yaw::Rate => Approach::default(),
     };
@@ -130,8 +132,13 @@ fn trusted(tilt: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::arducopter::GAINS;
     use crate::units::Thrust;
     use proptest::prelude::*;
+
+    fn asked(attitude: Quaternion, setpoint: &Setpoint) -> Asked {
+        angle_loop(attitude, setpoint, &GAINS.angle)
+    }
 
     fn towards(attitude: Quaternion, yaw: Yaw) -> Setpoint {
         Setpoint {
@@ -148,10 +155,10 @@ mod tests {
     #[test]
     fn small_errors_are_corrected_in_proportion() {
         for yaw in [Yaw::Heading, Yaw::Rate] {
-            let asked = angle_loop(turned(0.1, -0.05, 0.0), &towards(Quaternion::IDENTITY, yaw));
+            let asked = asked(turned(0.1, -0.05, 0.0), &towards(Quaternion::IDENTITY, yaw));
             let rates = asked.wanted.rates.0;
-            assert!((rates.x + 0.1 * ANGLE_P[0]).abs() < 0.01, "{yaw:?}");
-            assert!((rates.y - 0.05 * ANGLE_P[1]).abs() < 0.01, "{yaw:?}");
+            assert!((rates.x + 0.1 * GAINS.angle.p[0]).abs() < 0.01, "{yaw:?}");
+            assert!((rates.y - 0.05 * GAINS.angle.p[1]).abs() < 0.01, "{yaw:?}");
             assert_eq!(asked.heading, 1.0);
         }
     }
@@ -159,14 +166,19 @@ mod tests {
     #[test]
     fn thrust_is_turned_the_shortest_way_whatever_the_heading() {
         let target = Quaternion::from_heading(2.0).then_body(turned(0.2, 0.0, 0.0));
-        let asked = angle_loop(
+        let asked = asked(
             Quaternion::from_heading(-1.0),
             &towards(target, Yaw::Heading),
         );
         let rates = asked.wanted.rates.0;
         let tilt = sqrt(rates.x * rates.x + rates.y * rates.y);
-        assert!((tilt - 0.2 * ANGLE_P[0]).abs() < 0.01, "{rates:?}");
-        let most = approach(YAW_ERROR_LIMIT, ANGLE_P[2], ANGLE_ACCELERATION[2]).speed;
+        assert!((tilt - 0.2 * GAINS.angle.p[0]).abs() < 0.01, "{rates:?}");
+        let most = approach(
+            GAINS.angle.yaw_error_limit_rad,
+            GAINS.angle.p[2],
+            GAINS.angle.acceleration_rad_s2[2],
+        )
+        .speed;
         assert!((rates.z - most).abs() < 1e-4, "{rates:?}");
         assert_eq!(asked.wanted.stiffness.z, 0.0);
     }
@@ -177,7 +189,7 @@ mod tests {
             let attitude =
                 Quaternion::from_up(Vec3::new(0.0, -libm::sinf(angle), -libm::cosf(angle)));
             let attitude = attitude.expect("a direction");
-            angle_loop(attitude, &towards(Quaternion::IDENTITY, Yaw::Heading)).heading
+            asked(attitude, &towards(Quaternion::IDENTITY, Yaw::Heading)).heading
         };
         assert_eq!(tilted(0.5), 1.0);
         assert!((tilted(0.785) - 0.5).abs() < 0.01);
@@ -191,7 +203,7 @@ mod tests {
             v: Vec3::new(1.0, 0.0, 0.0),
         };
         for yaw in [Yaw::Heading, Yaw::Rate] {
-            let asked = angle_loop(over, &towards(Quaternion::IDENTITY, yaw));
+            let asked = asked(over, &towards(Quaternion::IDENTITY, yaw));
             assert!(asked.wanted.rates.0.x.abs() > 5.0, "{yaw:?}");
         }
     }
@@ -199,7 +211,7 @@ mod tests {
     #[test]
     fn with_a_yaw_rate_the_heading_is_free() {
         let setpoint = towards(Quaternion::from_heading(2.0), Yaw::Rate);
-        let asked = angle_loop(Quaternion::IDENTITY, &setpoint).wanted;
+        let asked = asked(Quaternion::IDENTITY, &setpoint).wanted;
         assert!(asked.rates.0.max_norm() < 1e-5);
         assert_eq!(asked.stiffness.z, 0.0);
     }
@@ -210,8 +222,8 @@ mod tests {
         for yaw in [Yaw::Heading, Yaw::Rate] {
             for lean in [0.1, 1.0] {
                 let setpoint = towards(turned(lean, 0.0, 0.0), yaw);
-                let before = angle_loop(Quaternion::IDENTITY, &setpoint).wanted;
-                let after = angle_loop(Quaternion::IDENTITY.turned_by(turn), &setpoint).wanted;
+                let before = asked(Quaternion::IDENTITY, &setpoint).wanted;
+                let after = asked(Quaternion::IDENTITY.turned_by(turn), &setpoint).wanted;
                 let miss =
                     (before.after_turn(turn).0 - after.rates.0).scale(Vec3::new(1.0, 0.0, 0.0));
                 assert!(miss.max_norm() < 0.02, "{yaw:?} {lean} {miss:?}");
@@ -229,10 +241,10 @@ mod tests {
                 Quaternion::from_array(q.map(|q| q / size)).unwrap_or_default()
             };
             for yaw in [Yaw::Heading, Yaw::Rate] {
-                let asked = angle_loop(unit(a), &towards(unit(b), yaw));
+                let asked = asked(unit(a), &towards(unit(b), yaw));
                 prop_assert!(asked.wanted.rates.is_finite());
                 prop_assert!(asked.wanted.stiffness.is_finite());
-                let most = approach(3.2, ANGLE_P[0], ANGLE_ACCELERATION[0]).speed;
+                let most = approach(3.2, GAINS.angle.p[0], GAINS.angle.acceleration_rad_s2[0]).speed;
                 prop_assert!(asked.wanted.rates.0.max_norm() <= most);
                 prop_assert!((0.0..=1.0).contains(&asked.heading));
             }
@@ -247,7 +259,7 @@ mod tests {
                 q.turned_by(Vec3::new(x, y, 0.0) * 0.05)
             });
             for _ in 0..1000 {
-                let rates = angle_loop(attitude, &towards(target, Yaw::Heading)).wanted.rates.0;
+                let rates = asked(attitude, &towards(target, Yaw::Heading)).wanted.rates.0;
                 attitude = attitude.turned_by(rates * 0.01);
             }
             prop_assert!(attitude.error_to(target).max_norm() < 0.02);

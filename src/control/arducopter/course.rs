@@ -1,19 +1,13 @@
 //! Position and velocity loops: from a goal to a lean and a vertical acceleration.
 
 use super::approach::approach;
-use crate::config::arducopter::{
-    ALTITUDE_ACCELERATION, ALTITUDE_P, CLIMB_P, CLIMB_SPEED, DESCENT_SPEED, LEAN_LIMIT,
-    POSITION_ACCELERATION, POSITION_P, POSITION_SPEED, VELOCITY_CUTOFF, VELOCITY_D, VELOCITY_I,
-    VELOCITY_INTEGRAL_LIMIT, VELOCITY_P,
-};
 use crate::control::one_pole::{gone, time_constant};
 use crate::control::{Goal, Setpoint, Yaw};
 use crate::estimate::Place;
 use crate::math::{Quaternion, Vec3, between, limited, sin_cos};
 use crate::sensors::GRAVITY;
+use crate::settings::gains::arducopter::Gains;
 use crate::units::BodyRates;
-
-const FILTER_TIME: f32 = time_constant(VELOCITY_CUTOFF);
 
 /// The largest error told from larger ones, in m and m/s: squares stay finite.
 const FARTHEST: Vec3 = Vec3::new(10_000.0, 10_000.0, 10_000.0);
@@ -46,12 +40,12 @@ pub struct Climb {
 ///
 /// A place of no `dt`, the first one or one after a silence, begins the filters anew.
 #[must_use]
-pub fn moved(course: &Course, place: &Place, goal: Option<Goal>) -> Course {
+pub fn moved(course: &Course, place: &Place, goal: Option<Goal>, gains: &Gains) -> Course {
     let Some(goal) = goal else {
         return Course::default();
     };
     let velocity = place.velocity.0;
-    let error = (wanted_velocity(&goal, place) - velocity).limited(FARTHEST);
+    let error = (wanted_velocity(&goal, place, gains) - velocity).limited(FARTHEST);
     let dt = place.dt;
     let begun = Course {
         following: true,
@@ -63,7 +57,7 @@ pub fn moved(course: &Course, place: &Place, goal: Option<Goal>) -> Course {
     if !course.following || dt <= 0.0 {
         return begun;
     }
-    let share = gone(dt, FILTER_TIME);
+    let share = gone(dt, time_constant(gains.velocity.cutoff_hz));
     let change = (error - course.error) * share;
     let slope = course.slope + (change * (1.0 / dt) - course.slope) * share;
     let filtered = course.error + change;
@@ -73,50 +67,54 @@ pub fn moved(course: &Course, place: &Place, goal: Option<Goal>) -> Course {
         ..begun
     };
     Course {
-        integral: integral(&before, dt),
+        integral: integral(&before, dt, gains),
         ..before
     }
 }
 
 /// The integral term after `dt` (s); it does not grow while the lean is limited.
-fn integral(course: &Course, dt: f32) -> Vec3 {
+fn integral(course: &Course, dt: f32, gains: &Gains) -> Vec3 {
     let horizontal = Vec3 {
         z: 0.0,
         ..course.error
     };
-    let next = course.integral + horizontal * (VELOCITY_I * dt);
-    let leaning = asked(course).norm() > most_acceleration();
+    let next = course.integral + horizontal * (gains.velocity.i * dt);
+    let leaning = asked(course, gains).norm() > most_acceleration(gains);
     if leaning && next.dot(next) > course.integral.dot(course.integral) {
         return course.integral;
     }
-    shortened(next, VELOCITY_INTEGRAL_LIMIT)
+    shortened(next, gains.velocity.integral_limit_m_s2)
 }
 
 /// The velocity that brings the drone to its goal.
-fn wanted_velocity(goal: &Goal, place: &Place) -> Vec3 {
+fn wanted_velocity(goal: &Goal, place: &Place, gains: &Gains) -> Vec3 {
     let error = (goal.position.0 - place.position.0).limited(FARTHEST);
     let across = Vec3 { z: 0.0, ..error };
     let distance = across.norm();
-    let speed = approach(distance, POSITION_P, POSITION_ACCELERATION).speed;
+    let speed = approach(distance, gains.position.p, gains.position.acceleration_m_s2).speed;
     let horizontal = if distance > 1e-6 {
-        across * (speed.min(POSITION_SPEED) / distance)
+        across * (speed.min(gains.position.speed_m_s) / distance)
     } else {
         Vec3::ZERO
     };
-    let down = approach(error.z, ALTITUDE_P, ALTITUDE_ACCELERATION).speed;
-    let vertical = Vec3::new(0.0, 0.0, between(down, -CLIMB_SPEED, DESCENT_SPEED));
+    let down = approach(error.z, gains.altitude.p, gains.altitude.acceleration_m_s2).speed;
+    let vertical = Vec3::new(
+        0.0,
+        0.0,
+        between(down, -gains.altitude.climb_m_s, gains.altitude.descent_m_s),
+    );
     horizontal + vertical + goal.velocity.0
 }
 
 /// The horizontal acceleration that the velocity loop asks for, before its limit.
-fn asked(course: &Course) -> Vec3 {
-    let asked = course.error * VELOCITY_P + course.integral + course.slope * VELOCITY_D;
+fn asked(course: &Course, gains: &Gains) -> Vec3 {
+    let asked = course.error * gains.velocity.p + course.integral + course.slope * gains.velocity.d;
     Vec3 { z: 0.0, ..asked }
 }
 
 /// The acceleration that the steepest lean gives at constant altitude, in m/s2.
-fn most_acceleration() -> f32 {
-    let (sin, cos) = sin_cos(LEAN_LIMIT);
+fn most_acceleration(gains: &Gains) -> f32 {
+    let (sin, cos) = sin_cos(gains.velocity.lean_limit_rad);
     GRAVITY * sin / cos
 }
 
@@ -131,9 +129,9 @@ fn shortened(vector: Vec3, longest: f32) -> Vec3 {
 
 /// What the altitude loop asks for; nothing without a goal.
 #[must_use]
-pub fn climbing(goal: Option<Goal>, course: &Course) -> Option<Climb> {
+pub fn climbing(goal: Option<Goal>, course: &Course, gains: &Gains) -> Option<Climb> {
     (goal.is_some() && course.following).then(|| Climb {
-        acceleration: limited(-course.error.z * CLIMB_P, GRAVITY),
+        acceleration: limited(-course.error.z * gains.altitude.climb_p, GRAVITY),
         rate: -course.descent,
     })
 }
@@ -142,11 +140,16 @@ pub fn climbing(goal: Option<Goal>, course: &Course) -> Option<Climb> {
 ///
 /// Thrust points against gravity plus the acceleration asked for; a goal's heading is held.
 #[must_use]
-pub fn steered(goal: Option<Goal>, course: &Course, setpoint: &Setpoint) -> Setpoint {
+pub fn steered(
+    goal: Option<Goal>,
+    course: &Course,
+    setpoint: &Setpoint,
+    gains: &Gains,
+) -> Setpoint {
     let Some(goal) = goal.filter(|_| course.following) else {
         return *setpoint;
     };
-    let wanted = shortened(asked(course), most_acceleration());
+    let wanted = shortened(asked(course, gains), most_acceleration(gains));
     let heading = Quaternion::from_heading(goal.heading);
     let up = heading.to_body(wanted) - Vec3::new(0.0, 0.0, GRAVITY);
     let tilt = Quaternion::from_up(up).map_or(Quaternion::IDENTITY, Quaternion::conjugate);
@@ -161,6 +164,7 @@ pub fn steered(goal: Option<Goal>, course: &Course, setpoint: &Setpoint) -> Setp
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::arducopter::GAINS;
     use crate::units::{Position, Velocity};
     use proptest::prelude::*;
 
@@ -177,21 +181,21 @@ mod tests {
     }
 
     fn lean(course: &Course, goal: Option<Goal>) -> Quaternion {
-        steered(goal, course, &Setpoint::default())
+        steered(goal, course, &Setpoint::default(), &GAINS)
             .attitude
             .expect("an attitude")
     }
 
     #[test]
     fn without_a_goal_the_setpoint_is_flown() {
-        let course = moved(&Course::default(), &Place::default(), None);
+        let course = moved(&Course::default(), &Place::default(), None, &GAINS);
         let given = Setpoint {
             yaw: Yaw::Heading,
             ..Setpoint::default()
         };
-        assert_eq!(steered(None, &course, &given), given);
-        assert_eq!(steered(origin(), &course, &given), given);
-        assert_eq!(climbing(None, &course), None);
+        assert_eq!(steered(None, &course, &given, &GAINS), given);
+        assert_eq!(steered(origin(), &course, &given, &GAINS), given);
+        assert_eq!(climbing(None, &course, &GAINS), None);
     }
 
     #[test]
@@ -202,7 +206,7 @@ mod tests {
                 ..Goal::default()
             });
             let place = at(Vec3::new(1.0, 0.0, 0.0), Vec3::ZERO, 0.02);
-            let course = moved(&Course::default(), &place, goal);
+            let course = moved(&Course::default(), &place, goal, &GAINS);
             let attitude = lean(&course, goal);
             let thrust = attitude.to_earth(Vec3::new(0.0, 0.0, -1.0));
             assert!(thrust.x < -0.1 && thrust.y.abs() < 1e-4, "{thrust:?}");
@@ -213,20 +217,25 @@ mod tests {
     #[test]
     fn below_the_goal_it_climbs() {
         let place = at(Vec3::new(0.0, 0.0, 1.0), Vec3::ZERO, 0.02);
-        let course = moved(&Course::default(), &place, origin());
-        let asked = climbing(origin(), &course).expect("a goal");
-        assert!((asked.acceleration - ALTITUDE_P * CLIMB_P).abs() < 1e-4);
+        let course = moved(&Course::default(), &place, origin(), &GAINS);
+        let asked = climbing(origin(), &course, &GAINS).expect("a goal");
+        assert!((asked.acceleration - GAINS.altitude.p * GAINS.altitude.climb_p).abs() < 1e-4);
     }
 
     #[test]
     fn a_place_of_no_time_begins_the_filters_and_integrates_nothing() {
         let goal = origin();
         let place = at(Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO, 0.02);
-        let flown = (0..10).fold(Course::default(), |course, _| moved(&course, &place, goal));
-        let again = moved(&flown, &Place { dt: 0.0, ..place }, goal);
+        let flown = (0..10).fold(Course::default(), |course, _| {
+            moved(&course, &place, goal, &GAINS)
+        });
+        let again = moved(&flown, &Place { dt: 0.0, ..place }, goal, &GAINS);
         assert_eq!(again.integral, flown.integral);
         assert_eq!(again.slope, Vec3::ZERO);
-        assert_eq!(moved(&again, &Place { dt: 0.0, ..place }, goal), again);
+        assert_eq!(
+            moved(&again, &Place { dt: 0.0, ..place }, goal, &GAINS),
+            again
+        );
     }
 
     #[test]
@@ -237,7 +246,7 @@ mod tests {
             let mut velocity = Vec3::ZERO;
             let wind = Vec3::new(0.5, 0.3, 0.0);
             for _ in 0..(40.0 / dt) as u32 {
-                course = moved(&course, &at(position, velocity, dt), origin());
+                course = moved(&course, &at(position, velocity, dt), origin(), &GAINS);
                 let thrust = lean(&course, origin()).to_earth(Vec3::new(0.0, 0.0, -1.0));
                 let horizontal = Vec3 { z: 0.0, ..thrust } * (GRAVITY / -thrust.z);
                 velocity += (horizontal + wind) * dt;
@@ -259,14 +268,14 @@ mod tests {
             let vector = |[x, y, z]: [f32; 3]| Vec3::new(x, y, z);
             for (goal, position, velocity, dt) in places {
                 let goal = Some(Goal { position: Position(vector(goal)), heading, ..Goal::default() });
-                course = moved(&course, &at(vector(position), vector(velocity), dt), goal);
+                course = moved(&course, &at(vector(position), vector(velocity), dt), goal, &GAINS);
                 let down = lean(&course, goal).down_in_body();
                 prop_assert!(down.is_finite());
-                let (_, cos) = sin_cos(LEAN_LIMIT);
+                let (_, cos) = sin_cos(GAINS.velocity.lean_limit_rad);
                 prop_assert!(down.z > cos - 1e-3, "{down:?}");
-                let climb = climbing(origin(), &course).expect("a goal");
+                let climb = climbing(origin(), &course, &GAINS).expect("a goal");
                 prop_assert!(climb.acceleration.abs() <= GRAVITY && climb.rate.is_finite());
-                prop_assert!(course.integral.norm() <= VELOCITY_INTEGRAL_LIMIT * 1.001);
+                prop_assert!(course.integral.norm() <= GAINS.velocity.integral_limit_m_s2 * 1.001);
             }
         }
 
@@ -275,9 +284,9 @@ mod tests {
             x in -2.0f32..2.0, y in -2.0f32..2.0
         ) {
             let place = |dt| at(Vec3::new(x, y, 0.3), Vec3::ZERO, dt);
-            let begun = moved(&Course::default(), &place(0.0), origin());
-            let often = (0..10).fold(begun, |course, _| moved(&course, &place(0.01), origin()));
-            let rarely = moved(&begun, &place(0.1), origin());
+            let begun = moved(&Course::default(), &place(0.0), origin(), &GAINS);
+            let often = (0..10).fold(begun, |course, _| moved(&course, &place(0.01), origin(), &GAINS));
+            let rarely = moved(&begun, &place(0.1), origin(), &GAINS);
             prop_assert!((often.integral - rarely.integral).max_norm() < 1e-4);
             prop_assert!((often.error - rarely.error).max_norm() < 1e-4);
         }

@@ -2,19 +2,13 @@
 
 use super::Climb;
 use crate::airframe::Mixed;
-use crate::config::arducopter::{
-    HOVER, HOVER_LEARNING, LIFT_ERROR_CUTOFF, THROTTLE_CUTOFF, THROTTLE_I, THROTTLE_INTEGRAL_LIMIT,
-    THROTTLE_P,
-};
 use crate::control::Setpoint;
 use crate::control::one_pole::{along, gone, time_constant};
 use crate::estimate::Increment;
 use crate::math::{Quaternion, Vec3, between, limited};
 use crate::sensors::GRAVITY;
+use crate::settings::gains::arducopter::Gains;
 use crate::units::Thrust;
-
-const ERROR_TIME: f32 = time_constant(LIFT_ERROR_CUTOFF);
-const THROTTLE_TIME: f32 = time_constant(THROTTLE_CUTOFF);
 
 /// The thrust that hover may be learned to need, as a share.
 const HOVER_RANGE: [f32; 2] = [0.125, 0.6875];
@@ -36,18 +30,18 @@ pub struct Lift {
     hover: f32,
 }
 
-impl Default for Lift {
-    fn default() -> Self {
+impl Lift {
+    /// Before any motion, with the thrust that hover is taken to need, as a share.
+    #[must_use]
+    pub fn hovering(hover: f32) -> Self {
         Self {
             error: 0.0,
             integral: 0.0,
             throttle: 0.0,
-            hover: HOVER,
+            hover,
         }
     }
-}
 
-impl Lift {
     /// The thrust of hover, as far as it is learned, as a share.
     #[must_use]
     pub fn hover(&self) -> f32 {
@@ -57,10 +51,7 @@ impl Lift {
     /// What remains on the ground: hover's thrust, but no integral.
     #[must_use]
     pub fn grounded(&self) -> Self {
-        Self {
-            hover: self.hover,
-            ..Self::default()
-        }
+        Self::hovering(self.hover)
     }
 }
 
@@ -76,6 +67,7 @@ pub fn lifted(
     asked: Option<Climb>,
     setpoint: &Setpoint,
     command: &Mixed,
+    gains: &Gains,
 ) -> Lift {
     let dt = motion.dt;
     if dt <= 0.0 {
@@ -85,28 +77,38 @@ pub fn lifted(
         let throttle = setpoint.thrust.share();
         return Lift {
             error: 0.0,
-            integral: limited(throttle - lift.hover, THROTTLE_INTEGRAL_LIMIT),
+            integral: limited(
+                throttle - lift.hover,
+                gains.altitude.throttle_integral_limit,
+            ),
             throttle,
             hover: lift.hover,
         };
     };
     let missing = asked.acceleration * dt - gained(motion, attitude);
-    let error = lift.error + (missing / dt - lift.error) * gone(dt, ERROR_TIME);
-    let step = THROTTLE_I * missing;
+    let error = lift.error
+        + (missing / dt - lift.error) * gone(dt, time_constant(gains.altitude.error_cutoff_hz));
+    let step = gains.altitude.throttle_i * missing;
     let integral = if command.saturated && step * lift.integral > 0.0 {
         lift.integral
     } else {
-        limited(lift.integral + step, THROTTLE_INTEGRAL_LIMIT)
+        limited(lift.integral + step, gains.altitude.throttle_integral_limit)
     };
     let wanted = |integral: f32| {
-        let wanted = lift.hover + THROTTLE_P * error + integral;
+        let wanted = lift.hover + gains.altitude.throttle_p * error + integral;
         between(wanted, 0.0, 1.0)
     };
     let way = [wanted(lift.integral), wanted(integral)];
-    let throttle = along(lift.throttle, way, dt, THROTTLE_TIME);
+    let throttle = along(
+        lift.throttle,
+        way,
+        dt,
+        time_constant(gains.altitude.throttle_cutoff_hz),
+    );
     let (climbing, level) = HOVERING;
     let hovers = asked.rate.abs() < climbing && attitude.down_in_body().z > level;
-    let learned = lift.hover + (throttle - lift.hover) * (dt / (dt + HOVER_LEARNING));
+    let learned =
+        lift.hover + (throttle - lift.hover) * (dt / (dt + gains.thrust.hover_learning_s));
     let [least, most] = HOVER_RANGE;
     Lift {
         error,
@@ -151,11 +153,16 @@ pub fn boosted(
 mod tests {
     use super::*;
     use crate::airframe::Mixer;
+    use crate::config::arducopter::GAINS;
     use crate::units::TorqueDemand;
     use proptest::prelude::*;
 
     fn with_room() -> Mixed {
         Mixer::default().mix(TorqueDemand::default(), Thrust::ZERO)
+    }
+
+    fn start() -> Lift {
+        Lift::hovering(GAINS.thrust.hover)
     }
 
     fn level(share: f32) -> Setpoint {
@@ -179,18 +186,26 @@ mod tests {
 
     fn step(lift: &Lift, motion: &Increment, asked: Option<Climb>) -> Lift {
         let attitude = Quaternion::IDENTITY;
-        lifted(lift, motion, attitude, asked, &level(0.5), &with_room())
+        lifted(
+            lift,
+            motion,
+            attitude,
+            asked,
+            &level(0.5),
+            &with_room(),
+            &GAINS,
+        )
     }
 
     #[test]
     fn without_time_nothing_advances() {
-        let lift = step(&Lift::default(), &accelerating(0.0, 0.1), asking(1.0));
+        let lift = step(&start(), &accelerating(0.0, 0.1), asking(1.0));
         assert_eq!(step(&lift, &Increment::default(), asking(1.0)), lift);
     }
 
     #[test]
     fn altitude_control_begins_with_the_thrust_that_was_flown() {
-        let lift = step(&Lift::default(), &accelerating(0.0, 0.01), None);
+        let lift = step(&start(), &accelerating(0.0, 0.01), None);
         assert_eq!(lift.throttle, 0.5);
         let begun = step(&lift, &accelerating(0.0, 0.01), asking(0.0));
         assert!((begun.throttle - 0.5).abs() < 1e-4);
@@ -198,14 +213,14 @@ mod tests {
 
     #[test]
     fn too_little_lift_is_answered_with_more_thrust() {
-        let lift = step(&Lift::default(), &accelerating(0.0, 0.01), None);
+        let lift = step(&start(), &accelerating(0.0, 0.01), None);
         let more = step(&lift, &accelerating(0.0, 0.1), asking(2.0));
         assert!(more.throttle > 0.55);
     }
 
     #[test]
     fn hover_is_learned_in_level_hover_alone() {
-        let mut lift = Lift::default();
+        let mut lift = start();
         for _ in 0..10_000 {
             // A vehicle that hovers at half of its thrust.
             let upwards = GRAVITY * (lift.throttle / 0.5 - 1.0);
@@ -227,7 +242,7 @@ mod tests {
         let tilted = |angle: f32| {
             let up = Vec3::new(0.0, -libm::sinf(angle), -libm::cosf(angle));
             let attitude = Quaternion::from_up(up).expect("a direction");
-            boosted(None, &Lift::default(), &level(0.4), attitude).share()
+            boosted(None, &start(), &level(0.4), attitude).share()
         };
         assert!((tilted(0.0) - 0.4).abs() < 1e-5);
         assert!((tilted(1.0) - 0.4 / libm::cosf(1.0)).abs() < 1e-4);
@@ -239,7 +254,7 @@ mod tests {
         fn one_long_step_of_a_steady_error_is_many_short_ones(
             asked in -3.0f32..3.0, got in -3.0f32..3.0
         ) {
-            let begun = step(&Lift::default(), &accelerating(0.0, 0.01), None);
+            let begun = step(&start(), &accelerating(0.0, 0.01), None);
             // The error's filter has settled: in its first 8 ms the steps differ.
             let begun = (0..100).fold(begun, |lift, _| {
                 step(&lift, &accelerating(got, 0.001), asking(asked))
@@ -259,14 +274,14 @@ mod tests {
             x in -1.0f32..1.0, y in -1.0f32..1.0, z in -1.0f32..1.0
         ) {
             let attitude = Quaternion::from_up(Vec3::new(x, y, z)).unwrap_or_default();
-            let mut lift = Lift::default();
+            let mut lift = start();
             for (asked, got, dt) in steps {
                 let asked = asking(asked);
                 let motion = accelerating(got, dt);
-                lift = lifted(&lift, &motion, attitude, asked, &level(0.5), &with_room());
+                lift = lifted(&lift, &motion, attitude, asked, &level(0.5), &with_room(), &GAINS);
                 prop_assert!((0.0..=1.0).contains(&boosted(asked, &lift, &level(0.5), attitude).share()));
                 prop_assert!((0.125..=0.6875).contains(&lift.hover));
-                prop_assert!(lift.integral.abs() <= THROTTLE_INTEGRAL_LIMIT);
+                prop_assert!(lift.integral.abs() <= GAINS.altitude.throttle_integral_limit);
             }
         }
     }

@@ -10,24 +10,23 @@
 
 use super::Asked;
 use crate::airframe::Mixed;
-use crate::config::arducopter::{RATE_D, RATE_I, RATE_INTEGRAL_LIMIT, RATE_P, YAW_ERROR_CUTOFF};
 use crate::control::one_pole::{along, time_constant};
 use crate::control::{RateInput, RateLaw, RateState, RateStretch, Wanted};
 use crate::estimate::{Increment, Rotation};
 use crate::math::Vec3;
+use crate::settings::gains::arducopter::Rate;
 use crate::units::{BodyRates, TorqueDemand};
-
-const LAW: RateLaw = RateLaw {
-    proportional: Vec3::from_array(RATE_P),
-    integral: Vec3::from_array(RATE_I),
-    derivative: Vec3::from_array(RATE_D),
-    integral_limit: RATE_INTEGRAL_LIMIT,
-};
 
 /// The original's outputs end at one, which moves a motor by half of its range.
 const MOST: Vec3 = Vec3::new(0.5, 0.5, 0.5);
 
-const YAW_ERROR_TIME: f32 = time_constant(YAW_ERROR_CUTOFF);
+/// The rate loop of some gains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RateLoop {
+    law: RateLaw,
+    /// Time constant of the filter of the yaw rate's error, in s.
+    yaw_error_time: f32,
+}
 
 /// What the rate loop remembers between runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -37,51 +36,88 @@ pub struct RateMemory {
     yaw_error: f32,
 }
 
-/// The memory after the motion since the last run.
-///
-/// In that time the desired rates went from what the run before asked for (`last`) to what this
-/// one does: with the angle turned and the estimate's `correction` (rad, as evenly) by the
-/// stiffness, and what is left evenly too, as by a turn to another heading in a lean. A new setpoint
-/// counts from the run that brings it on, which covers no time.
-#[must_use]
-pub fn integrated(
-    memory: &RateMemory,
-    motion: &Increment,
-    correction: Vec3,
-    last: &Asked,
-    asked: &Asked,
-    command: &Mixed,
-) -> RateMemory {
-    let dt = motion.dt;
-    if dt <= 0.0 {
-        return *memory;
+impl RateLoop {
+    /// The loop of some gains.
+    #[must_use]
+    pub const fn new(gains: &Rate) -> Self {
+        Self {
+            law: RateLaw::new([gains.p, gains.i, gains.d], gains.integral_limit),
+            yaw_error_time: time_constant(gains.yaw_error_cutoff_hz),
+        }
     }
-    let beside = asked.wanted.rates.0 - last.wanted.after_turn(motion.angle + correction).0;
-    let linear = last
-        .wanted
-        .integrated(motion.swept + correction * (0.5 * dt), dt);
-    let mut wanted = linear + beside * (dt * 0.5);
 
-    let [from, to] = ends(motion.angle.z, motion.swept.z, dt);
-    let errors = [
-        (last.wanted.rates.0.z - from) * last.heading,
-        (asked.wanted.rates.0.z - to) * asked.heading,
-    ];
-    let yaw_error = along(memory.yaw_error, errors, dt, YAW_ERROR_TIME);
-    // The integral takes the filtered error, which lags by what the filter still holds.
-    let late = YAW_ERROR_TIME * (yaw_error - memory.yaw_error);
-    let heading = 0.5 * (last.heading + asked.heading);
-    let error = (wanted.z - motion.angle.z) * heading - late;
-    wanted.z = motion.angle.z + error;
+    /// The memory after the motion since the last run.
+    ///
+    /// In that time the desired rates went from what the run before asked for (`last`) to what this
+    /// one does: with the angle turned and the estimate's `correction` (rad, as evenly) by the
+    /// stiffness, and what is left evenly too, as by a turn to another heading in a lean. A new setpoint
+    /// counts from the run that brings it on, which covers no time.
+    #[must_use]
+    pub fn after(
+        &self,
+        memory: &RateMemory,
+        motion: &Increment,
+        correction: Vec3,
+        last: &Asked,
+        asked: &Asked,
+        command: &Mixed,
+    ) -> RateMemory {
+        let dt = motion.dt;
+        if dt <= 0.0 {
+            return *memory;
+        }
+        let beside = asked.wanted.rates.0 - last.wanted.after_turn(motion.angle + correction).0;
+        let linear = last
+            .wanted
+            .integrated(motion.swept + correction * (0.5 * dt), dt);
+        let mut wanted = linear + beside * (dt * 0.5);
 
-    let stretch = RateStretch {
-        wanted,
-        turned: motion.angle,
-        saturated: command.saturated,
-    };
-    RateMemory {
-        integrals: LAW.after(&memory.integrals, &stretch),
-        yaw_error,
+        let [from, to] = ends(motion.angle.z, motion.swept.z, dt);
+        let errors = [
+            (last.wanted.rates.0.z - from) * last.heading,
+            (asked.wanted.rates.0.z - to) * asked.heading,
+        ];
+        let yaw_error = along(memory.yaw_error, errors, dt, self.yaw_error_time);
+        // The integral takes the filtered error, which lags by what the filter still holds.
+        let late = self.yaw_error_time * (yaw_error - memory.yaw_error);
+        let heading = 0.5 * (last.heading + asked.heading);
+        let error = (wanted.z - motion.angle.z) * heading - late;
+        wanted.z = motion.angle.z + error;
+
+        let stretch = RateStretch {
+            wanted,
+            turned: motion.angle,
+            saturated: command.saturated,
+        };
+        RateMemory {
+            integrals: self.law.after(&memory.integrals, &stretch),
+            yaw_error,
+        }
+    }
+
+    /// Torque demands, each at most half of full authority; none while blind.
+    #[must_use]
+    pub fn demand(
+        &self,
+        memory: &RateMemory,
+        asked: &Asked,
+        rotation: &Rotation,
+        blind: bool,
+    ) -> TorqueDemand {
+        if blind {
+            return TorqueDemand::default();
+        }
+        let measured = rotation.rates.0;
+        let Wanted { rates, stiffness } = asked.wanted;
+        let input = RateInput {
+            wanted: BodyRates(Vec3 {
+                z: measured.z + memory.yaw_error,
+                ..rates.0
+            }),
+            measured: rotation.rates,
+            acceleration: rotation.acceleration + measured.scale(stiffness),
+        };
+        TorqueDemand(self.law.demand(&memory.integrals, &input).0.limited(MOST))
     }
 }
 
@@ -94,36 +130,15 @@ fn ends(angle: f32, swept: f32, dt: f32) -> [f32; 2] {
     [mean - half, mean + half]
 }
 
-/// Torque demands, each at most half of full authority; none while blind.
-#[must_use]
-pub fn rate_loop(
-    memory: &RateMemory,
-    asked: &Asked,
-    rotation: &Rotation,
-    blind: bool,
-) -> TorqueDemand {
-    if blind {
-        return TorqueDemand::default();
-    }
-    let measured = rotation.rates.0;
-    let Wanted { rates, stiffness } = asked.wanted;
-    let input = RateInput {
-        wanted: BodyRates(Vec3 {
-            z: measured.z + memory.yaw_error,
-            ..rates.0
-        }),
-        measured: rotation.rates,
-        acceleration: rotation.acceleration + measured.scale(stiffness),
-    };
-    TorqueDemand(LAW.demand(&memory.integrals, &input).0.limited(MOST))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::airframe::Mixer;
+    use crate::config::arducopter::GAINS;
     use crate::units::Thrust;
     use proptest::prelude::*;
+
+    const LOOP: RateLoop = RateLoop::new(&GAINS.rate);
 
     fn with_room() -> Mixed {
         Mixer::default().mix(TorqueDemand::default(), Thrust::ZERO)
@@ -150,7 +165,7 @@ mod tests {
     }
 
     fn step(memory: &RateMemory, motion: &Increment, asked: &Asked) -> RateMemory {
-        integrated(memory, motion, Vec3::ZERO, asked, asked, &with_room())
+        LOOP.after(memory, motion, Vec3::ZERO, asked, asked, &with_room())
     }
 
     #[test]
@@ -169,22 +184,25 @@ mod tests {
     fn a_rate_error_is_answered_at_once_but_in_yaw_with_a_delay() {
         let asked = asking(1.0, 1.0);
         let rest = Rotation::default();
-        let torque = rate_loop(&RateMemory::default(), &asked, &rest, false).0;
-        assert!((torque.x - RATE_P[0]).abs() < 1e-6);
+        let torque = LOOP.demand(&RateMemory::default(), &asked, &rest, false).0;
+        assert!((torque.x - GAINS.rate.p[0]).abs() < 1e-6);
         assert_eq!(torque.z, 0.0);
         let memory = step(
             &RateMemory::default(),
-            &turning(Vec3::ZERO, Vec3::ZERO, YAW_ERROR_TIME),
+            &turning(Vec3::ZERO, Vec3::ZERO, LOOP.yaw_error_time),
             &asked,
         );
-        let torque = rate_loop(&memory, &asked, &rest, false).0;
-        assert!((torque.z - 0.632 * RATE_P[2]).abs() < 0.001, "{torque:?}");
+        let torque = LOOP.demand(&memory, &asked, &rest, false).0;
+        assert!(
+            (torque.z - 0.632 * GAINS.rate.p[2]).abs() < 0.001,
+            "{torque:?}"
+        );
     }
 
     #[test]
     fn blind_asks_for_no_torque() {
         let asked = asking(1.0, 1.0);
-        let torque = rate_loop(&RateMemory::default(), &asked, &Rotation::default(), true);
+        let torque = LOOP.demand(&RateMemory::default(), &asked, &Rotation::default(), true);
         assert_eq!(torque, TorqueDemand::default());
     }
 
@@ -197,7 +215,7 @@ mod tests {
             ..with_room()
         };
         let begun = step(&RateMemory::default(), &motion, &asked);
-        let held = integrated(&begun, &motion, Vec3::ZERO, &asked, &asked, &saturated);
+        let held = LOOP.after(&begun, &motion, Vec3::ZERO, &asked, &asked, &saturated);
         assert_eq!(held.integrals, begun.integrals);
         assert_ne!(step(&begun, &motion, &asked).integrals, begun.integrals);
     }
@@ -218,7 +236,7 @@ mod tests {
             let long = turning(start, start + slope * 0.05, 0.05);
             let rarely = step(&RateMemory::default(), &long, &asked);
             let rotation = Rotation::default();
-            let torque = |memory| rate_loop(&memory, &asked, &rotation, false).0;
+            let torque = |memory| LOOP.demand(&memory, &asked, &rotation, false).0;
             prop_assert!((torque(often) - torque(rarely)).max_norm() < 1e-4);
         }
 
@@ -236,7 +254,7 @@ mod tests {
                     rates: BodyRates(rates),
                     acceleration: rates * acceleration,
                 };
-                let torque = rate_loop(&memory, &asked, &rotation, false);
+                let torque = LOOP.demand(&memory, &asked, &rotation, false);
                 prop_assert!(torque.is_finite() && torque.0.max_norm() <= 0.5);
             }
         }

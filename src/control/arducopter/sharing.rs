@@ -5,25 +5,32 @@
 //! where that does not suffice, roll, pitch and yaw shrink together.
 
 use crate::airframe::{Mixed, Mixer, MotorShares};
-use crate::config::arducopter::{ATTITUDE_PRIORITY, YAW_HEADROOM};
 use crate::config::{ARMED_MINIMUM, MOTORS};
 use crate::math::{between, limited};
+use crate::settings::gains::arducopter::Thrust as ThrustGains;
 use crate::units::{Thrust, TorqueDemand};
 
 const SPAN: f32 = 1.0 - ARMED_MINIMUM;
 
 /// The motor vector of a demand, given the thrust of hover (share).
 #[must_use]
-pub fn shared(mixer: &Mixer, torque: TorqueDemand, thrust: Thrust, hover: f32) -> Mixed {
+pub fn shared(
+    mixer: &Mixer,
+    torque: TorqueDemand,
+    thrust: Thrust,
+    hover: f32,
+    gains: &ThrustGains,
+) -> Mixed {
     let [roll, pitch, yaw] = mixer.axes();
     let mut turning = [0.0; MOTORS];
     for ((out, roll), pitch) in turning.iter_mut().zip(roll).zip(pitch) {
         *out = roll * torque.0.x + pitch * torque.0.y;
     }
     let wanted = thrust.share() * SPAN;
-    let raised = wanted * (1.0 - ATTITUDE_PRIORITY) + hover * SPAN * ATTITUDE_PRIORITY;
+    let raised = wanted * (1.0 - gains.attitude_priority) + hover * SPAN * gains.attitude_priority;
     let most = wanted.max(raised).min(SPAN);
     let headroom = yaw_headroom(&turning, yaw, torque.0.z, most.min(0.5 * SPAN));
+    let headroom = headroom.max(gains.yaw_headroom * SPAN);
     let turn = limited(torque.0.z, headroom);
     for (out, yaw) in turning.iter_mut().zip(yaw) {
         *out += yaw * turn;
@@ -53,7 +60,7 @@ fn yaw_headroom(turning: &MotorShares, yaw: &MotorShares, demand: f32, base: f32
             allowed = allowed.min(room.max(0.0) / yaw.abs());
         }
     }
-    allowed.max(YAW_HEADROOM * SPAN)
+    allowed
 }
 
 /// The thrust above the armed minimum, and the part of every torque that fits.
@@ -80,6 +87,7 @@ fn fitted(turning: &MotorShares, wanted: f32, most: f32) -> (f32, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::arducopter::GAINS;
     use crate::math::Vec3;
     use proptest::prelude::*;
 
@@ -91,6 +99,7 @@ mod tests {
             TorqueDemand(Vec3::new(x, y, z)),
             thrust,
             0.35,
+            &GAINS.thrust,
         )
     }
 
@@ -128,7 +137,7 @@ mod tests {
         assert!(large.saturated);
         let got = achieved(&large.shares)[0];
         assert!(
-            (got - 0.35 * ATTITUDE_PRIORITY * SPAN).abs() < 1e-5,
+            (got - 0.35 * GAINS.thrust.attitude_priority * SPAN).abs() < 1e-5,
             "{got}"
         );
     }
@@ -137,7 +146,7 @@ mod tests {
     fn yaw_keeps_its_headroom_beside_a_full_roll() {
         let [roll, _, yaw] = achieved(&share([0.5, 0.0, 0.5], 0.5).shares);
         assert!(roll > 0.3, "{roll}");
-        assert!(yaw > 0.5 * YAW_HEADROOM, "{yaw}");
+        assert!(yaw > 0.5 * GAINS.thrust.yaw_headroom, "{yaw}");
     }
 
     proptest! {

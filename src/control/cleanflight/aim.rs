@@ -1,9 +1,9 @@
 //! What is flown: the setpoint, or where there is a goal, what the hold asks for.
 
 use super::{Hold, Lean};
-use crate::config::cleanflight::POSITION_LEAN_LIMIT;
 use crate::control::{Goal, Setpoint, Yaw};
 use crate::math::{Quaternion, limited, sin_cos};
+use crate::settings::gains::cleanflight::{Gains, Level};
 use crate::units::{BodyRates, Thrust};
 
 /// The cosine of 80 degrees: the tilt past which thrust no longer lifts.
@@ -26,26 +26,32 @@ pub struct Aim {
 ///
 /// The hold leans to north and east, about axes that depend on the present heading.
 #[must_use]
-pub fn aimed(setpoint: &Setpoint, goal: Option<Goal>, hold: &Hold, attitude: Quaternion) -> Aim {
+pub fn aimed(
+    setpoint: &Setpoint,
+    goal: Option<Goal>,
+    hold: &Hold,
+    attitude: Quaternion,
+    gains: &Gains,
+) -> Aim {
     let (Some(goal), true) = (goal, hold.begun) else {
-        return of_setpoint(setpoint);
+        return of_setpoint(setpoint, &gains.level);
     };
     let [north, east] = hold.lean();
     let (sin, cos) = sin_cos(attitude.heading());
     let lean = Lean {
-        roll: limited(east * cos - north * sin, POSITION_LEAN_LIMIT),
-        pitch: -limited(north * cos + east * sin, POSITION_LEAN_LIMIT),
+        roll: limited(east * cos - north * sin, gains.position.lean_limit_rad),
+        pitch: -limited(north * cos + east * sin, gains.position.lean_limit_rad),
     };
     let lifting = attitude.down_in_body().z > LIFTING;
     Aim {
-        lean: Some(lean.within_limits()),
+        lean: Some(lean.within_limits(&gains.level)),
         heading: Some(goal.heading),
         rates: BodyRates::default(),
         thrust: hold.thrust(lifting),
     }
 }
 
-fn of_setpoint(setpoint: &Setpoint) -> Aim {
+fn of_setpoint(setpoint: &Setpoint, gains: &Level) -> Aim {
     let held = match setpoint.yaw {
         Yaw::Heading => setpoint.attitude.map(Quaternion::heading),
         Yaw::Rate => None,
@@ -53,7 +59,7 @@ fn of_setpoint(setpoint: &Setpoint) -> Aim {
     Aim {
         lean: setpoint
             .attitude
-            .map(|attitude| Lean::of(attitude).within_limits()),
+            .map(|attitude| Lean::of(attitude).within_limits(gains)),
         heading: held,
         rates: setpoint.rates,
         thrust: setpoint.thrust,
@@ -64,7 +70,7 @@ fn of_setpoint(setpoint: &Setpoint) -> Aim {
 mod tests {
     use super::super::{Climb, Sight, held};
     use super::*;
-    use crate::config::cleanflight::LEVEL_MAX_LEAN;
+    use crate::config::cleanflight::GAINS;
     use crate::estimate::Place;
     use crate::math::Vec3;
     use crate::units::Position;
@@ -86,7 +92,7 @@ mod tests {
                 place,
                 thrust: Thrust::ZERO,
             };
-            held(&hold, &sight, &Climb::default())
+            held(&hold, &sight, &Climb::default(), &GAINS)
         });
         (goal, hold)
     }
@@ -99,7 +105,13 @@ mod tests {
             yaw: Yaw::Heading,
             ..Setpoint::default()
         };
-        let flown = aimed(&setpoint, None, &Hold::default(), Quaternion::IDENTITY);
+        let flown = aimed(
+            &setpoint,
+            None,
+            &Hold::default(),
+            Quaternion::IDENTITY,
+            &GAINS,
+        );
         let lean = flown.lean.expect("an attitude was given");
         assert!((lean.roll - 0.3).abs() < 1e-3 && lean.pitch.abs() < 1e-3);
         assert!((flown.heading.expect("held") - 1.0).abs() < 1e-3);
@@ -107,8 +119,8 @@ mod tests {
             attitude: Some((0..5).fold(attitude, |a, _| a.turned_by(Vec3::new(0.2, 0.0, 0.0)))),
             ..setpoint
         };
-        let lean = aimed(&over, None, &Hold::default(), Quaternion::IDENTITY).lean;
-        assert_eq!(lean.expect("given").roll, LEVEL_MAX_LEAN);
+        let lean = aimed(&over, None, &Hold::default(), Quaternion::IDENTITY, &GAINS).lean;
+        assert_eq!(lean.expect("given").roll, GAINS.level.max_lean_rad);
     }
 
     #[test]
@@ -121,7 +133,7 @@ mod tests {
         ] {
             let (goal, hold) = leaning(north, east);
             let attitude = Quaternion::from_heading(heading);
-            let flown = aimed(&Setpoint::default(), Some(goal), &hold, attitude);
+            let flown = aimed(&Setpoint::default(), Some(goal), &hold, attitude, &GAINS);
             let lean = flown.lean.expect("a hold leans");
             assert!(lean.roll * roll > 0.01 || (roll == 0.0 && lean.roll.abs() < 1e-3));
             assert!(lean.pitch * pitch > 0.01 || (pitch == 0.0 && lean.pitch.abs() < 1e-3));
@@ -132,7 +144,13 @@ mod tests {
     fn a_goal_waits_for_the_first_place() {
         let setpoint = Setpoint::level(Thrust::new(0.3).expect("in range"));
         let goal = Some(Goal::default());
-        let flown = aimed(&setpoint, goal, &Hold::default(), Quaternion::IDENTITY);
+        let flown = aimed(
+            &setpoint,
+            goal,
+            &Hold::default(),
+            Quaternion::IDENTITY,
+            &GAINS,
+        );
         assert_eq!(flown.thrust, setpoint.thrust);
     }
 }

@@ -1,9 +1,9 @@
 //! The vertical acceleration, low-pass filtered: what damps the altitude hold.
 
-use crate::config::cleanflight::ALTITUDE_ACCEL_CUTOFF;
 use crate::estimate::Increment;
 use crate::math::{Quaternion, limited};
 use crate::sensors::GRAVITY;
+use crate::settings::gains::cleanflight::Altitude;
 use core::f32::consts::TAU;
 
 /// The largest acceleration that is believed, in m/s2: the MPU6050's range.
@@ -20,13 +20,18 @@ pub struct Climb {
 ///
 /// One pole, exact for an acceleration that was steady between the runs.
 #[must_use]
-pub fn climbing(before: &Climb, motion: &Increment, attitude: Quaternion) -> Climb {
+pub fn climbing(
+    before: &Climb,
+    motion: &Increment,
+    attitude: Quaternion,
+    gains: &Altitude,
+) -> Climb {
     if motion.dt <= 0.0 {
         return *before;
     }
     let force = attitude.to_earth(motion.velocity * (1.0 / motion.dt));
     let upward = limited(-force.z - GRAVITY, LARGEST);
-    let kept = libm::expf(-TAU * ALTITUDE_ACCEL_CUTOFF * motion.dt);
+    let kept = libm::expf(-TAU * gains.accel_cutoff_hz * motion.dt);
     Climb {
         acceleration: upward + (before.acceleration - upward) * kept,
     }
@@ -35,6 +40,7 @@ pub fn climbing(before: &Climb, motion: &Increment, attitude: Quaternion) -> Cli
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::cleanflight::GAINS;
     use crate::math::Vec3;
     use proptest::prelude::*;
 
@@ -49,7 +55,12 @@ mod tests {
     #[test]
     fn without_time_nothing_advances() {
         let before = Climb { acceleration: 1.0 };
-        let after = climbing(&before, &Increment::default(), Quaternion::IDENTITY);
+        let after = climbing(
+            &before,
+            &Increment::default(),
+            Quaternion::IDENTITY,
+            &GAINS.altitude,
+        );
         assert_eq!(after, before);
     }
 
@@ -57,7 +68,7 @@ mod tests {
         #[test]
         fn rare_steps_come_to_the_same_as_frequent_ones(upward in -5.0f32..5.0) {
             let run = |runs: u32, dt| (0..runs).fold(Climb::default(), |climb, _| {
-                climbing(&climb, &pushed(upward, dt), Quaternion::IDENTITY)
+                climbing(&climb, &pushed(upward, dt), Quaternion::IDENTITY, &GAINS.altitude)
             });
             let (often, rarely) = (run(50, 0.001), run(1, 0.05));
             prop_assert!((often.acceleration - rarely.acceleration).abs() < 1e-3);
@@ -70,7 +81,7 @@ mod tests {
                 dt,
                 ..Increment::default()
             };
-            let after = climbing(&Climb::default(), &motion, Quaternion::IDENTITY);
+            let after = climbing(&Climb::default(), &motion, Quaternion::IDENTITY, &GAINS.altitude);
             prop_assert!(after.acceleration.abs() <= LARGEST);
         }
     }

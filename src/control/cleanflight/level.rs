@@ -1,9 +1,9 @@
 //! Level mode: missing roll, pitch and heading to desired body rates.
 
 use super::Aim;
-use crate::config::cleanflight::{LEVEL_HEADING_P, LEVEL_MAX_LEAN, LEVEL_P};
 use crate::control::Wanted;
 use crate::math::{Quaternion, Vec3, atan2, limited, sqrt, wrapped};
+use crate::settings::gains::cleanflight::Level;
 use crate::units::BodyRates;
 
 /// Roll and pitch as angles, in rad.
@@ -28,10 +28,10 @@ impl Lean {
 
     /// As far as level mode may lean.
     #[must_use]
-    pub(super) fn within_limits(self) -> Self {
+    pub(super) fn within_limits(self, gains: &Level) -> Self {
         Self {
-            roll: limited(self.roll, LEVEL_MAX_LEAN),
-            pitch: limited(self.pitch, LEVEL_MAX_LEAN),
+            roll: limited(self.roll, gains.max_lean_rad),
+            pitch: limited(self.pitch, gains.max_lean_rad),
         }
     }
 }
@@ -41,17 +41,17 @@ impl Lean {
 /// Yaw is a rate, to which the hold of a heading adds. Not limited: no error exceeds the lean's
 /// limit and half a turn.
 #[must_use]
-pub fn level(attitude: Quaternion, aim: &Aim) -> Wanted {
+pub fn level(attitude: Quaternion, aim: &Aim, gains: &Level) -> Wanted {
     let mut rates = aim.rates.0;
     let mut stiffness = Vec3::ZERO;
     if let Some(wanted) = aim.lean {
         let lean = Lean::of(attitude);
-        rates += Vec3::new(wanted.roll - lean.roll, wanted.pitch - lean.pitch, 0.0) * LEVEL_P;
-        stiffness += Vec3::new(LEVEL_P, LEVEL_P, 0.0);
+        rates += Vec3::new(wanted.roll - lean.roll, wanted.pitch - lean.pitch, 0.0) * gains.p;
+        stiffness += Vec3::new(gains.p, gains.p, 0.0);
     }
     if let Some(heading) = aim.heading {
-        rates.z += LEVEL_HEADING_P * limited(wrapped(heading - attitude.heading()), 4.0);
-        stiffness.z = LEVEL_HEADING_P;
+        rates.z += gains.heading_p * limited(wrapped(heading - attitude.heading()), 4.0);
+        stiffness.z = gains.heading_p;
     }
     Wanted {
         rates: BodyRates(rates),
@@ -62,6 +62,7 @@ pub fn level(attitude: Quaternion, aim: &Aim) -> Wanted {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::cleanflight::GAINS;
     use proptest::prelude::*;
 
     fn towards(roll: f32, pitch: f32) -> Aim {
@@ -74,16 +75,16 @@ mod tests {
     #[test]
     fn rolled_right_of_the_aim_asks_for_roll_to_the_left() {
         let attitude = Quaternion::IDENTITY.turned_by(Vec3::new(0.2, 0.0, 0.0));
-        let rates = level(attitude, &towards(0.05, 0.0)).rates.0;
-        assert!((rates.x + 0.15 * LEVEL_P).abs() < 1e-3);
+        let rates = level(attitude, &towards(0.05, 0.0), &GAINS.level).rates.0;
+        assert!((rates.x + 0.15 * GAINS.level.p).abs() < 1e-3);
         assert!(rates.y.abs() < 1e-3 && rates.z == 0.0);
     }
 
     #[test]
     fn nose_above_the_aim_asks_for_nose_down() {
         let attitude = Quaternion::from_heading(2.0).turned_by(Vec3::new(0.0, 0.2, 0.0));
-        let rates = level(attitude, &towards(0.0, 0.0)).rates.0;
-        assert!((rates.y + 0.2 * LEVEL_P).abs() < 1e-3);
+        let rates = level(attitude, &towards(0.0, 0.0), &GAINS.level).rates.0;
+        assert!((rates.y + 0.2 * GAINS.level.p).abs() < 1e-3);
     }
 
     #[test]
@@ -92,8 +93,10 @@ mod tests {
             heading: Some(-3.0),
             ..towards(0.0, 0.0)
         };
-        let rates = level(Quaternion::from_heading(3.0), &aim).rates.0;
-        assert!(rates.z > 0.0 && rates.z < LEVEL_HEADING_P);
+        let rates = level(Quaternion::from_heading(3.0), &aim, &GAINS.level)
+            .rates
+            .0;
+        assert!(rates.z > 0.0 && rates.z < GAINS.level.heading_p);
     }
 
     #[test]
@@ -102,7 +105,10 @@ mod tests {
             rates: BodyRates(Vec3::new(1.0, -2.0, 0.5)),
             ..Aim::default()
         };
-        assert_eq!(level(Quaternion::from_heading(1.0), &aim).rates, aim.rates);
+        assert_eq!(
+            level(Quaternion::from_heading(1.0), &aim, &GAINS.level).rates,
+            aim.rates
+        );
     }
 
     proptest! {
@@ -112,8 +118,8 @@ mod tests {
         ) {
             let aim = Aim { heading: Some(0.3), ..towards(0.1, -0.1) };
             let turn = Vec3::new(x, y, z);
-            let foreseen = level(Quaternion::IDENTITY, &aim).after_turn(turn).0;
-            let turned = level(Quaternion::IDENTITY.turned_by(turn), &aim).rates.0;
+            let foreseen = level(Quaternion::IDENTITY, &aim, &GAINS.level).after_turn(turn).0;
+            let turned = level(Quaternion::IDENTITY.turned_by(turn), &aim, &GAINS.level).rates.0;
             prop_assert!((foreseen - turned).max_norm() < 1e-3);
         }
 
@@ -125,9 +131,9 @@ mod tests {
                 attitude.turned_by(Vec3::new(x, y, z) * 0.25)
             });
             let aim = Aim { heading: Some(heading), ..towards(0.8, -0.8) };
-            let rates = level(attitude, &aim).rates;
+            let rates = level(attitude, &aim, &GAINS.level).rates;
             prop_assert!(rates.is_finite());
-            prop_assert!(rates.0.max_norm() < LEVEL_P * 4.1);
+            prop_assert!(rates.0.max_norm() < GAINS.level.p * 4.1);
         }
     }
 }

@@ -10,23 +10,14 @@
 //! the error goes in a straight line.
 
 use super::ErrorStretch;
-use crate::config::openpilot as gains;
 use crate::control::{Goal, Setpoint, Yaw};
 use crate::estimate::Place;
 use crate::math::{Quaternion, Vec3, limited, sin_cos, wrapped};
+use crate::settings::gains::openpilot::{Altitude, Gains, Position};
 use crate::units::{BodyRates, Thrust};
 
 /// Time constant of the derivative's low-pass, of the original's 20 Hz, in s.
 const DERIVATIVE_TIME: f32 = 1.0 / (core::f32::consts::TAU * 20.0);
-
-/// How fast the thrust's integral is drawn back from a limit, in 1/s.
-///
-/// The original's: one over the mean of integral and derivative time.
-const DRAWN_BACK: f32 = if gains::CLIMB_KI > 0.0 && gains::CLIMB_KP > 0.0 {
-    2.0 / (gains::CLIMB_KP / gains::CLIMB_KI + gains::CLIMB_KD / gains::CLIMB_KP)
-} else {
-    0.0
-};
 
 /// What the path follower remembers between places.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,29 +34,33 @@ pub struct PathState {
     acceleration: Vec3,
 }
 
-/// The laws; the gains are those of the configuration.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PathFollower;
-
-/// The velocity (m/s) that a goal asks for at a place, limited.
-#[must_use]
-pub fn velocity_wanted(goal: &Goal, place: &Place) -> Vec3 {
-    let away = goal.position.0 - place.position.0;
-    let asked = away.scale(Vec3::new(
-        gains::POSITION_P,
-        gains::POSITION_P,
-        gains::ALTITUDE_P,
-    )) + goal.velocity.0;
-    let speed = Vec3::new(asked.x, asked.y, 0.0).norm();
-    let fit = (gains::SPEED_LIMIT / speed.max(1e-3)).min(1.0);
-    Vec3::new(
-        asked.x * fit,
-        asked.y * fit,
-        limited(asked.z, gains::CLIMB_LIMIT),
-    )
+/// The laws of some gains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathFollower {
+    position: Position,
+    altitude: Altitude,
+    /// How fast the thrust's integral is drawn back from a limit, in 1/s.
+    drawn_back: f32,
 }
 
 impl PathFollower {
+    /// The laws of some gains.
+    #[must_use]
+    pub const fn new(gains: &Gains) -> Self {
+        let altitude = gains.altitude;
+        let (kp, ki) = (altitude.velocity_kp, altitude.velocity_ki);
+        Self {
+            position: gains.position,
+            altitude,
+            // As in the original: one over the mean of integral and derivative time.
+            drawn_back: if ki > 0.0 && kp > 0.0 {
+                2.0 / (kp / ki + altitude.velocity_kd / kp)
+            } else {
+                0.0
+            },
+        }
+    }
+
     /// The state after a place; `flown` is the thrust flown until then.
     ///
     /// Without a goal there is none. With the first place the thrust's integral starts from what
@@ -82,11 +77,11 @@ impl PathFollower {
             return PathState::default();
         };
         let velocity = place.velocity.0;
-        let error = velocity_wanted(goal, place) - velocity;
+        let error = self.velocity_wanted(goal, place) - velocity;
         let integral = if before.engaged {
             before.integral
         } else {
-            Vec3::new(0.0, 0.0, started_from(flown))
+            Vec3::new(0.0, 0.0, self.started_from(flown))
         };
         let mut after = PathState {
             engaged: true,
@@ -100,7 +95,7 @@ impl PathFollower {
             after.acceleration = (before.acceleration * DERIVATIVE_TIME + velocity
                 - before.velocity)
                 * (1.0 / (DERIVATIVE_TIME + dt));
-            after.integral = grown(before, &after, dt);
+            after.integral = self.grown(before, &after, dt);
         }
         after
     }
@@ -111,109 +106,133 @@ impl PathFollower {
         if !state.engaged {
             return None;
         }
-        let wanted = velocity_wanted(goal, place);
+        let wanted = self.velocity_wanted(goal, place);
         let velocity = place.velocity.0;
-        let lean = (wanted - velocity) * gains::VELOCITY_KP + state.integral
-            - state.acceleration * gains::VELOCITY_KD
-            + wanted * gains::VELOCITY_FEEDFORWARD;
-        let thrust =
-            proportional_thrust(wanted.z, velocity.z) + derivative_thrust(state) - state.integral.z;
+        let lean = (wanted - velocity) * self.position.velocity_kp + state.integral
+            - state.acceleration * self.position.velocity_kd
+            + wanted * self.position.velocity_feedforward;
+        let thrust = self.proportional_thrust(wanted.z, velocity.z) + self.derivative_thrust(state)
+            - state.integral.z;
         Some(Setpoint {
-            attitude: Some(leaning(lean, goal.heading)),
+            attitude: Some(self.leaning(lean, goal.heading)),
             rates: BodyRates::default(),
             yaw: Yaw::Heading,
-            thrust: Thrust::new(within_limits(thrust)).unwrap_or_default(),
+            thrust: Thrust::new(self.within_limits(thrust)).unwrap_or_default(),
         })
     }
-}
 
-/// The integral (thrust below neutral) that continues a flown thrust, if any.
-fn started_from(flown: Thrust) -> f32 {
-    let share = flown.share();
-    if share < gains::THRUST_MINIMUM {
-        return 0.0;
+    /// The velocity (m/s) that a goal asks for at a place, limited.
+    #[must_use]
+    fn velocity_wanted(&self, goal: &Goal, place: &Place) -> Vec3 {
+        let away = goal.position.0 - place.position.0;
+        let asked = away.scale(Vec3::new(self.position.p, self.position.p, self.altitude.p))
+            + goal.velocity.0;
+        let speed = Vec3::new(asked.x, asked.y, 0.0).norm();
+        let fit = (self.position.speed_limit_m_s / speed.max(1e-3)).min(1.0);
+        Vec3::new(
+            asked.x * fit,
+            asked.y * fit,
+            limited(asked.z, self.altitude.speed_limit_m_s),
+        )
     }
-    gains::THRUST_NEUTRAL - within_limits(share - gains::THRUST_NEUTRAL)
-}
 
-/// Thrust of an offset from neutral, within its limits.
-fn within_limits(offset: f32) -> f32 {
-    // Cannot panic: the ranges of the configuration keep the limits in order.
-    (gains::THRUST_NEUTRAL + offset).clamp(gains::THRUST_MINIMUM, gains::THRUST_MAXIMUM)
-}
-
-fn proportional_thrust(wanted: f32, velocity: f32) -> f32 {
-    -gains::CLIMB_KP * (gains::CLIMB_BETA * wanted - velocity)
-}
-
-fn derivative_thrust(state: &PathState) -> f32 {
-    state.acceleration.z * gains::CLIMB_KD
-}
-
-/// The integral terms after the time (s) between two states.
-fn grown(before: &PathState, after: &PathState, dt: f32) -> Vec3 {
-    const GAIN: Vec3 = Vec3::new(gains::VELOCITY_KI, gains::VELOCITY_KI, gains::CLIMB_KI);
-    const LIMIT: Vec3 = Vec3::new(gains::LEAN_INTEGRAL_LIMIT, gains::LEAN_INTEGRAL_LIMIT, 1.0);
-    let error = ErrorStretch {
-        start: before.error,
-        end: after.error,
-        mean: (before.error + after.error) * 0.5,
-        dt,
-    };
-    let free = error.integrated(before.integral, GAIN, LIMIT);
-    let z = drawn_back(
-        [before.integral.z, free.z],
-        [before, after].map(beside_integral),
-        dt,
-    );
-    Vec3::new(free.x, free.y, z)
-}
-
-/// What a state adds to neutral thrust beside its integral.
-fn beside_integral(state: &PathState) -> f32 {
-    let velocity = state.velocity.z;
-    proportional_thrust(state.error.z + velocity, velocity) + derivative_thrust(state)
-}
-
-/// The thrust's integral, which strives back by what the thrust is beyond a limit.
-///
-/// The exact course of `dI/dt = growth + rate * beyond` over the time, where growth is even and
-/// what stands beside the integral goes in a straight line.
-fn drawn_back([before, free]: [f32; 2], beside: [f32; 2], dt: f32) -> f32 {
-    let beyond = |beside: f32, integral: f32| {
-        let offset = beside - integral;
-        gains::THRUST_NEUTRAL + offset - within_limits(offset)
-    };
-    let [start, end] = beside;
-    if beyond(end, free) == 0.0 {
-        return free;
-    }
-    let x = DRAWN_BACK * dt;
-    let gone = -libm::expm1f(-x);
-    let lasting = if x > 1e-3 { gone / x } else { 1.0 };
-    let pushed = (free - before) * lasting + (end - start) * (1.0 - lasting);
-    limited(before + beyond(start, before) * gone + pushed, 1.0)
-}
-
-/// The attitude with a heading (rad) that leans north and east (rad), limited.
-///
-/// The original turns the lean by the present heading. Turned by the one that is asked for, the
-/// target leans the right way on Earth while the yaw is still under way too.
-fn leaning(lean: Vec3, heading: f32) -> Quaternion {
-    let heading = wrapped(heading);
-    let (sin, cos) = sin_cos(heading);
-    let roll = limited(lean.y * cos - lean.x * sin, gains::MAXIMUM_LEAN);
-    let pitch = limited(-lean.x * cos - lean.y * sin, gains::MAXIMUM_LEAN);
-    let about = |angle: f32, axis: Vec3| {
-        let (sin, cos) = sin_cos(0.5 * angle);
-        Quaternion {
-            w: cos,
-            v: axis * sin,
+    /// The integral (thrust below neutral) that continues a flown thrust, if any.
+    fn started_from(&self, flown: Thrust) -> f32 {
+        let share = flown.share();
+        if share < self.altitude.thrust_minimum {
+            return 0.0;
         }
-    };
-    Quaternion::from_heading(heading)
-        .then_body(about(pitch, Vec3::new(0.0, 1.0, 0.0)))
-        .then_body(about(roll, Vec3::new(1.0, 0.0, 0.0)))
+        self.altitude.thrust_neutral - self.within_limits(share - self.altitude.thrust_neutral)
+    }
+
+    /// Thrust of an offset from neutral, within its limits.
+    fn within_limits(&self, offset: f32) -> f32 {
+        // Cannot panic: the ranges of the configuration keep the limits in order.
+        (self.altitude.thrust_neutral + offset)
+            .clamp(self.altitude.thrust_minimum, self.altitude.thrust_maximum)
+    }
+
+    fn proportional_thrust(&self, wanted: f32, velocity: f32) -> f32 {
+        -self.altitude.velocity_kp * (self.altitude.velocity_beta * wanted - velocity)
+    }
+
+    fn derivative_thrust(&self, state: &PathState) -> f32 {
+        state.acceleration.z * self.altitude.velocity_kd
+    }
+
+    /// The integral terms after the time (s) between two states.
+    fn grown(&self, before: &PathState, after: &PathState, dt: f32) -> Vec3 {
+        let gain = Vec3::new(
+            self.position.velocity_ki,
+            self.position.velocity_ki,
+            self.altitude.velocity_ki,
+        );
+        let limit = Vec3::new(
+            self.position.integral_limit_rad,
+            self.position.integral_limit_rad,
+            1.0,
+        );
+        let error = ErrorStretch {
+            start: before.error,
+            end: after.error,
+            mean: (before.error + after.error) * 0.5,
+            dt,
+        };
+        let free = error.integrated(before.integral, gain, limit);
+        let z = self.drawn_back(
+            [before.integral.z, free.z],
+            [before, after].map(|state| self.beside_integral(state)),
+            dt,
+        );
+        Vec3::new(free.x, free.y, z)
+    }
+
+    /// What a state adds to neutral thrust beside its integral.
+    fn beside_integral(&self, state: &PathState) -> f32 {
+        let velocity = state.velocity.z;
+        self.proportional_thrust(state.error.z + velocity, velocity) + self.derivative_thrust(state)
+    }
+
+    /// The thrust's integral, which strives back by what the thrust is beyond a limit.
+    ///
+    /// The exact course of `dI/dt = growth + rate * beyond` over the time, where growth is even and
+    /// what stands beside the integral goes in a straight line.
+    fn drawn_back(&self, [before, free]: [f32; 2], beside: [f32; 2], dt: f32) -> f32 {
+        let beyond = |beside: f32, integral: f32| {
+            let offset = beside - integral;
+            self.altitude.thrust_neutral + offset - self.within_limits(offset)
+        };
+        let [start, end] = beside;
+        if beyond(end, free) == 0.0 {
+            return free;
+        }
+        let x = self.drawn_back * dt;
+        let gone = -libm::expm1f(-x);
+        let lasting = if x > 1e-3 { gone / x } else { 1.0 };
+        let pushed = (free - before) * lasting + (end - start) * (1.0 - lasting);
+        limited(before + beyond(start, before) * gone + pushed, 1.0)
+    }
+
+    /// The attitude with a heading (rad) that leans north and east (rad), limited.
+    ///
+    /// The original turns the lean by the present heading. Turned by the one that is asked for, the
+    /// target leans the right way on Earth while the yaw is still under way too.
+    fn leaning(&self, lean: Vec3, heading: f32) -> Quaternion {
+        let heading = wrapped(heading);
+        let (sin, cos) = sin_cos(heading);
+        let roll = limited(lean.y * cos - lean.x * sin, self.position.maximum_lean_rad);
+        let pitch = limited(-lean.x * cos - lean.y * sin, self.position.maximum_lean_rad);
+        let about = |angle: f32, axis: Vec3| {
+            let (sin, cos) = sin_cos(0.5 * angle);
+            Quaternion {
+                w: cos,
+                v: axis * sin,
+            }
+        };
+        Quaternion::from_heading(heading)
+            .then_body(about(pitch, Vec3::new(0.0, 1.0, 0.0)))
+            .then_body(about(roll, Vec3::new(1.0, 0.0, 0.0)))
+    }
 }
 
 #[cfg(test)]

@@ -8,9 +8,9 @@
 
 use super::ErrorStretch;
 use super::stretch::mean_limited;
-use crate::config::openpilot as gains;
 use crate::control::{RateInput, RateLaw, RateState, RateStretch, Setpoint, Yaw};
 use crate::math::{Quaternion, Vec3, atan2};
+use crate::settings::gains::openpilot::Gains;
 use crate::units::{BodyRates, TorqueDemand};
 
 /// By how much an attitude misses a setpoint, and about which axes that counts.
@@ -116,23 +116,22 @@ pub struct StabilizedStretch {
 }
 
 impl Stabilization {
-    /// With the gains of the configuration.
-    pub const CONFIGURED: Self = Self {
-        attitude: AttitudePi {
-            proportional: Vec3::from_array(gains::ATTITUDE_KP),
-            integral: Vec3::from_array(gains::ATTITUDE_KI),
-            integral_limit: Vec3::from_array(gains::ATTITUDE_INTEGRAL_LIMIT),
-            maximum_rate: Vec3::from_array(gains::MAXIMUM_RATE),
-            manual_rate: Vec3::from_array(gains::MANUAL_RATE),
-        },
-        rate: RateLaw {
-            proportional: Vec3::from_array(gains::RATE_KP),
-            integral: Vec3::from_array(gains::RATE_KI),
-            derivative: Vec3::from_array(gains::RATE_KD),
-            integral_limit: gains::RATE_INTEGRAL_LIMIT,
-        },
-        output_limit: gains::OUTPUT_LIMIT,
-    };
+    /// The loops of some gains.
+    #[must_use]
+    pub const fn new(gains: &Gains) -> Self {
+        let Gains { attitude, rate, .. } = gains;
+        Self {
+            attitude: AttitudePi {
+                proportional: Vec3::from_array(attitude.kp),
+                integral: Vec3::from_array(attitude.ki),
+                integral_limit: Vec3::from_array(attitude.integral_limit_rad_s),
+                maximum_rate: Vec3::from_array(attitude.maximum_rate_rad_s),
+                manual_rate: Vec3::from_array(attitude.manual_rate_rad_s),
+            },
+            rate: RateLaw::new([rate.kp, rate.ki, rate.kd], rate.integral_limit),
+            output_limit: rate.output_limit,
+        }
+    }
 
     /// Desired rates: what the attitude asks for, and the setpoint's own.
     #[must_use]

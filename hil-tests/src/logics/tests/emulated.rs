@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use reflex_bench::digest::CommandDigest;
-use reflex_bench::{BLOCK_STEPS, BLOCK_SYMBOLS, LOGICS};
+use reflex_bench::{BLOCK_STEPS, BLOCK_SYMBOLS};
 
 use super::*;
 use crate::costs::at_rest;
@@ -64,8 +64,7 @@ impl Core {
 
     /// What the core says after each block of steps.
     fn digests(&self, name: LogicName, steps: &[Step]) -> Vec<String> {
-        let logic = LOGICS.iter().position(|it| *it == name.word());
-        let logic = logic.expect("a logic of the bench") as u32;
+        let logic = name.place() as u32;
         let blocks = steps.chunks(BLOCK_STEPS).chain([&[][..]]);
         let options = Options {
             watches: vec![self.done.clone()],

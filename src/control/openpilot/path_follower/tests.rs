@@ -1,11 +1,12 @@
 //! Tests of the position and altitude loops.
 
 use super::*;
+use crate::config::openpilot::GAINS;
 use crate::sensors::GRAVITY;
 use crate::units::{Position, Velocity};
 use proptest::prelude::*;
 
-const LAW: PathFollower = PathFollower;
+const LAW: PathFollower = PathFollower::new(&GAINS);
 
 fn place(position: Vec3, velocity: Vec3, dt: f32) -> Place {
     Place {
@@ -89,7 +90,7 @@ fn the_thrust_that_flew_goes_on() {
     assert!((thrust.share() - 0.35).abs() < 1e-6);
     let state = LAW.after(&PathState::default(), &here, Some(&goal), Thrust::ZERO);
     let thrust = LAW.setpoint(&state, &here, &goal).expect("engaged").thrust;
-    assert!((thrust.share() - gains::THRUST_NEUTRAL).abs() < 1e-6);
+    assert!((thrust.share() - GAINS.altitude.thrust_neutral).abs() < 1e-6);
 }
 
 #[test]
@@ -173,7 +174,7 @@ proptest! {
             state = LAW.after(&state, &here, Some(&goal), flown);
             let setpoint = LAW.setpoint(&state, &here, &goal).expect("engaged");
             let share = setpoint.thrust.share();
-            prop_assert!((gains::THRUST_MINIMUM..=gains::THRUST_MAXIMUM).contains(&share));
+            prop_assert!((GAINS.altitude.thrust_minimum..=GAINS.altitude.thrust_maximum).contains(&share));
             let up = leans(&state, &here, &goal).z;
             prop_assert!(up < -0.8, "{}", up);
             prop_assert!(state.integral.is_finite() && state.integral.max_norm() <= 1.0);

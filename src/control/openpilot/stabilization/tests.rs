@@ -1,10 +1,11 @@
 //! Tests of the cascade of attitude PI and rate PID.
 
 use super::*;
+use crate::config::openpilot::GAINS;
 use crate::units::Thrust;
 use proptest::prelude::*;
 
-const LAW: Stabilization = Stabilization::CONFIGURED;
+const LAW: Stabilization = Stabilization::new(&GAINS);
 
 /// The configured law with an integral in the attitude loop, off by default.
 fn with_attitude_integral() -> Stabilization {
@@ -109,7 +110,10 @@ fn rate_mode_flies_the_rates_as_far_as_sticks_go() {
     let tilted = Quaternion::IDENTITY.turned_by(about_roll(0.3));
     let error = AttitudeError::of(tilted, &setpoint);
     let wanted = LAW.wanted(&error, &Integrals::default(), &setpoint).0;
-    assert_eq!(wanted, Vec3::new(1.0, -gains::MANUAL_RATE[1], 0.5));
+    assert_eq!(
+        wanted,
+        Vec3::new(1.0, -GAINS.attitude.manual_rate_rad_s[1], 0.5)
+    );
 }
 
 #[test]
@@ -183,7 +187,7 @@ proptest! {
         for _ in 0..100 {
             full = wound.integrals(&law, full, 1);
         }
-        prop_assert_eq!(full.attitude.x.abs(), gains::ATTITUDE_INTEGRAL_LIMIT[0]);
+        prop_assert_eq!(full.attitude.x.abs(), GAINS.attitude.integral_limit_rad_s[0]);
         let roll = Roll { angle, rate, acceleration };
         let (attitude, rate) =
             apart(&roll.integrals(&law, full, 50), &roll.integrals(&law, full, 1));
@@ -212,14 +216,14 @@ proptest! {
             prop_assert!(state.attitude.is_finite());
             let error = AttitudeError { angle: error, axes };
             let wanted = law.wanted(&error, &state, &level());
-            prop_assert!(wanted.0.max_norm() <= gains::MAXIMUM_RATE[0]);
+            prop_assert!(wanted.0.max_norm() <= GAINS.attitude.maximum_rate_rad_s[0]);
             let input = RateInput {
                 wanted,
                 measured: BodyRates(turned),
                 acceleration: error.angle,
             };
             let demand = law.demand(&state, &input);
-            prop_assert!(demand.is_finite() && demand.0.max_norm() <= gains::OUTPUT_LIMIT);
+            prop_assert!(demand.is_finite() && demand.0.max_norm() <= GAINS.rate.output_limit);
         }
     }
 }

@@ -1,0 +1,258 @@
+//! The gains of each control logic: what its file may say, and the values that its laws take.
+//!
+//! A gain is declared once, in the order of the file. From its line come the check of
+//! `config/logics/NAME.toml`, the field of the struct, and its place in a list of numbers.
+
+use crate::Range;
+
+/// One gain: where it stands, what it may be and what it means.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gain {
+    /// Section of its file.
+    pub section: &'static str,
+    /// Key in the section.
+    pub key: &'static str,
+    /// One number, or three: roll, pitch, yaw.
+    pub default: &'static [f64],
+    /// Holds for each axis.
+    pub range: Range,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What it does, in words that end without a full stop.
+    pub meaning: &'static str,
+    /// The power of the loops' bandwidth that it grows with; 0 for what is no gain of them.
+    ///
+    /// Loops that are to be twice as fast ask for twice the rate per error, twice the torque per
+    /// rate, and four times the torque per angle.
+    pub growth: u32,
+}
+
+/// The gains of one control logic, as its file has them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LogicGains {
+    /// Name of its file, without `.toml`.
+    pub logic: &'static str,
+    /// In the order of the file.
+    pub gains: &'static [Gain],
+}
+
+/// A gain that leaves its range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutOfRange {
+    /// Which.
+    pub gain: &'static Gain,
+    /// The number that it would be.
+    pub number: f64,
+}
+
+impl LogicGains {
+    /// How many numbers these gains are, one after the other.
+    #[must_use]
+    pub const fn words(&self) -> usize {
+        words(self.gains)
+    }
+
+    /// Makes the loops so many times as fast; `numbers` are those of all gains in order.
+    ///
+    /// # Errors
+    /// The first gain that would leave its range.
+    pub fn quicken(&self, numbers: &mut [f64], bandwidth: f64) -> Result<(), OutOfRange> {
+        let axes = self
+            .gains
+            .iter()
+            .flat_map(|gain| gain.default.iter().map(move |_| gain));
+        for (gain, number) in axes.zip(numbers).filter(|(gain, _)| gain.growth != 0) {
+            *number *= (0..gain.growth).fold(1.0, |power, _| power * bandwidth);
+            if !gain.range.contains(*number) {
+                let number = *number;
+                return Err(OutOfRange { gain, number });
+            }
+        }
+        Ok(())
+    }
+}
+
+const fn words(gains: &[Gain]) -> usize {
+    let (mut sum, mut left) = (0, gains);
+    while let [gain, rest @ ..] = left {
+        sum += gain.default.len();
+        left = rest;
+    }
+    sum
+}
+
+/// The next number of a list; zero behind its end.
+const fn next<T: Copy>(numbers: &mut &[T], zero: T) -> T {
+    match *numbers {
+        [number, rest @ ..] => {
+            *numbers = rest;
+            *number
+        }
+        [] => zero,
+    }
+}
+
+/// The type of a gain of some shape, its numbers, and how it is taken from a list.
+macro_rules! shape {
+    (type number) => {
+        f32
+    };
+    (type axes) => {
+        [f32; 3]
+    };
+    (numbers number $value:expr) => {
+        core::slice::from_ref(&$value)
+    };
+    (numbers axes $value:expr) => {
+        $value.as_slice()
+    };
+    (default number $value:expr) => {
+        &[$value]
+    };
+    (default axes $value:expr) => {
+        &$value
+    };
+    (next number $words:ident) => {
+        next(&mut $words, 0.0)
+    };
+    (next axes $words:ident) => {
+        [
+            next(&mut $words, 0.0),
+            next(&mut $words, 0.0),
+            next(&mut $words, 0.0),
+        ]
+    };
+}
+
+/// Declares the gains of a control logic, section by section.
+///
+/// A line is `KEY: SHAPE = DEFAULT, RANGE, UNIT, MEANING;`, where the shape is `number` or `axes`,
+/// and `grows POWER` may follow: see [`Gain::growth`].
+macro_rules! gains {
+    ($logic:literal; $(
+        $(#[$doc:meta])*
+        $section:ident: $Section:ident {
+            $($key:ident: $shape:tt = $default:expr, $range:expr, $unit:expr, $meaning:literal
+                $(, grows $growth:literal)?;)*
+        }
+    )*) => {
+        $(
+            $(#[$doc])*
+            #[derive(Clone, Copy, Debug, PartialEq)]
+            pub struct $Section {
+                $(#[doc = concat!($meaning, ", in ", $unit, ".")]
+                pub $key: shape!(type $shape),)*
+            }
+        )*
+
+        #[doc = concat!("All gains of `config/logics/", $logic, ".toml`.")]
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Gains {
+            $($(#[$doc])* pub $section: $Section,)*
+        }
+
+        /// What the file may say.
+        pub const DECLARED: LogicGains = LogicGains {
+            logic: $logic,
+            gains: &[$($(Gain {
+                section: stringify!($section),
+                key: stringify!($key),
+                default: shape!(default $shape $default),
+                range: $range,
+                unit: $unit,
+                meaning: $meaning,
+                growth: 0 $(+ $growth)?,
+            },)*)*],
+        };
+
+        impl Gains {
+            /// How many numbers they are.
+            pub const WORDS: usize = DECLARED.words();
+
+            /// From their numbers, one after the other in the order of the file.
+            #[must_use]
+            pub const fn from_words(words: &[f32; Self::WORDS]) -> Self {
+                let mut words = words.as_slice();
+                Self {
+                    $($section: $Section {
+                        $($key: shape!(next $shape words),)*
+                    },)*
+                }
+            }
+
+            /// Their numbers, one after the other in the order of the file.
+            #[must_use]
+            pub fn to_words(&self) -> [f32; Self::WORDS] {
+                let mut words = [0.0; Self::WORDS];
+                let numbers: &[&[f32]] = &[$($(shape!(numbers $shape self.$section.$key),)*)*];
+                let numbers = numbers.iter().copied().flatten();
+                words.iter_mut().zip(numbers).for_each(|(word, number)| *word = *number);
+                words
+            }
+        }
+
+        impl Default for Gains {
+            fn default() -> Self {
+                let mut words = [0.0; Self::WORDS];
+                let defaults = DECLARED.gains.iter().flat_map(|gain| gain.default);
+                words.iter_mut().zip(defaults).for_each(|(word, number)| *word = *number as f32);
+                Self::from_words(&words)
+            }
+        }
+    };
+}
+
+/// A module for each logic of the one list, and all of them in its order.
+macro_rules! modules {
+    ($($(#[$doc:meta])* $logic:ident: $name:literal, $Logic:ident;)*) => {
+        $(#[doc = concat!("Gains of `", $name, "`.")]
+        pub mod $logic;)*
+
+        /// The gains of every control logic.
+        pub const LOGICS: &[LogicGains] = &[$($logic::DECLARED,)*];
+    };
+}
+
+crate::control_logics!(modules);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_that_were_written_are_read_in_the_order_of_the_file() {
+        let gains = cascade::Gains::default();
+        let words = gains.to_words();
+        assert_eq!(words.len(), LOGICS[0].words());
+        assert_eq!(cascade::Gains::from_words(&words), gains);
+        assert_eq!(words[2..5], gains.attitude.p);
+    }
+
+    #[test]
+    fn every_default_is_in_its_range() {
+        for gain in LOGICS.iter().flat_map(|logic| logic.gains) {
+            let numbers = gain.default.iter();
+            assert!(
+                numbers.clone().all(|&number| gain.range.contains(number)),
+                "{gain:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn loops_of_twice_the_bandwidth_have_twice_the_gain_and_four_times_the_integral() {
+        let [p, i] = ["p", "i"].map(|key| {
+            let gains = cascade::DECLARED.gains;
+            gains
+                .iter()
+                .take_while(|it| (it.section, it.key) != ("rate", key))
+                .map(|it| it.default.len())
+                .sum::<usize>()
+        });
+        let mut numbers = [1e-3; cascade::Gains::WORDS];
+        cascade::DECLARED
+            .quicken(&mut numbers, 2.0)
+            .expect("in range");
+        assert_eq!([numbers[p], numbers[i], numbers[0]], [2e-3, 4e-3, 1e-3]);
+    }
+}
