@@ -11,9 +11,6 @@
 //! fn smoothed(level: &f32, sample: f32) -> f32 {
 //!     level + 0.5 * (sample - level)
 //! }
-//! fn lowest(wanted: f32, level: f32) -> f32 {
-//!     if wanted < level { wanted } else { level }
-//! }
 //!
 //! graph! {
 //!     /// A limit that follows a sensor.
@@ -26,7 +23,7 @@
 //!     /// The sensor's level without its noise.
 //!     state level: f32 = smoothed(&level, sample), clocked by sample;
 //!     /// What is given; it moves in steps of a tenth.
-//!     output given: f32 = lowest(wanted, level), quantum 0.1;
+//!     output given: f32 = wanted.min(level), quantum 0.1;
 //! }
 //!
 //! let mut limiter = Limiter::new();
@@ -43,26 +40,29 @@
 //! # Lines
 //! | line | is | clauses |
 //! |---|---|---|
+//! | `param NAME: TYPE` | given at the start, and set between runs: it asks for no run, and counts from the next one on | |
+//! | `param NAME: TYPE = EXPRESSION` | made of other parameters, at the start and whenever one is set | |
 //! | `input NAME: TYPE` | set from outside | `at NUMBER Hz` or `every PERIOD`, whose `ticks()` are us: the largest rate; `gates`, `gates if CONSTANT`: its period enters the hyperperiod; `triggers`: it may ask for a run; `joins`: neither |
-//! | `state NAME: TYPE = FUNCTION(...)` | remembers; reads its own old value by its name | `clocked by INPUT`: advances exactly when that is set |
-//! | `node NAME: TYPE = FUNCTION(...)` | computed from others | |
-//! | `output NAME: TYPE = FUNCTION(...)` | a node that the world outside reads | |
+//! | `state NAME: TYPE = EXPRESSION` | remembers; reads its own old value by its name | `clocked by INPUT`: advances exactly when that is set |
+//! | `node NAME: TYPE = EXPRESSION` | computed from others | |
+//! | `output NAME: TYPE = EXPRESSION` | a node that the world outside reads | |
 //!
-//! Functions are plain `fn`s. An argument is `NAME` for a copy, `&NAME` for a reference, and in a
-//! state also `last NAME` and `&last NAME` for the value from before the run. `quantum SIZE` lets
-//! a computed value tell others only of changes of that size ([`Distance`]): what is stored is
-//! the value last told. `starting VALUE` is an input or a state before anything came in, else
-//! `Default`. The order of lines does not matter.
+//! An expression is Rust: calls, methods, operators, literals of structs. A name that begins with a
+//! small letter and is no name of its own is a value of the graph: `NAME` a copy, `&NAME` a
+//! reference, and in a state also `last NAME` and `&last NAME` the value from before the run. It
+//! must remember nothing. `quantum SIZE` lets a computed value tell others only of changes of that
+//! size ([`Distance`]): what is stored is the value last told. `starting VALUE` is an input or a
+//! state before anything came in, else `Default`. The order of lines does not matter.
 //!
 //! # What the compiler checks
 //! Names, cycles, clocks, values that reach no output, and that the hyperperiod, the least common
 //! multiple of the periods of all inputs that gate, is at most [`LONGEST_HYPERPERIOD`].
 //!
 //! # What is generated
-//! `new`, `set_NAME` for inputs and states, `NAME` to read any value, `propagate`,
-//! `foresee_NAME` for outputs, and the constants `NAME` (marks), `HYPERPERIOD`, `STORED_BYTES`,
-//! `DESCRIPTION`; with `#[export_declaration]` also a macro that hands the declaration on to another
-//! one, to run it in another way. Where every input was set to something new, `propagate` compares nothing.
+//! `new`, which takes the parameters, `set_NAME` for parameters, inputs and states, `NAME` to read
+//! any value, `propagate`, `foresee_NAME` for outputs, and the constants `NAME` (marks),
+//! `HYPERPERIOD`, `STORED_BYTES`, `DESCRIPTION`. Where every input was set to something new,
+//! `propagate` compares nothing.
 
 mod description;
 mod dirty;

@@ -48,29 +48,29 @@ fn an_unknown_name_is_said_of_its_variable_with_those_that_are_known() {
 fn a_bandwidth_multiplies_the_gains_of_attitude_and_rate_loops() {
     let gains = |factor: &str| {
         let source = with("REFLEX_BANDWIDTH", factor).unwrap().to_rust();
-        let cascade = source.split("pub mod cascade").nth(1).unwrap();
-        let constant = |name: &str| {
-            let line = cascade.lines().find(|line| line.contains(name)).unwrap();
-            line.split(" = ").nth(1).unwrap().to_owned()
+        let entry = |name: &str| {
+            let line = source.lines().find(|line| line.contains(name)).unwrap();
+            line.split('"').nth(3).unwrap().to_owned()
         };
-        [" RATE_P:", " RATE_I:", " ATTITUDE_P:", " RATE_D_CUTOFF:"].map(constant)
+        ["rate.p", "rate.i", "attitude.p", "rate.d_cutoff_hz"]
+            .map(|gain| entry(&format!("[\"cascade.{gain}\"")))
     };
     assert_eq!(
         gains(""),
         [
-            "[0.06, 0.06, 0.1];",
-            "[0.06, 0.06, 0.05];",
-            "[6.0, 6.0, 3.0];",
-            "20.0;"
+            "[0.06, 0.06, 0.1]",
+            "[0.06, 0.06, 0.05]",
+            "[6.0, 6.0, 3.0]",
+            "20.0"
         ]
     );
     assert_eq!(
         gains("2"),
         [
-            "[0.12, 0.12, 0.2];",
-            "[0.24, 0.24, 0.2];",
-            "[12.0, 12.0, 6.0];",
-            "20.0;"
+            "[0.12, 0.12, 0.2]",
+            "[0.24, 0.24, 0.2]",
+            "[12.0, 12.0, 6.0]",
+            "20.0"
         ]
     );
 }

@@ -25,7 +25,7 @@ fn values_arrive_as_rust_literals() {
         "pub const HYPERPERIOD: Duration = micros(1000);",
         "pub const MOTORS: usize = 4;",
         "pub const LONGEST_WARM_UP: Duration = micros(30000000);",
-        "pub const RATE_P: [f32; 3] = [0.06, 0.06, 0.1];",
+        "[\"cascade.rate.p\", \"[0.06, 0.06, 0.1]\", ",
         "quantum: 1.0 / 255.0",
     ] {
         assert!(source.contains(expected), "{expected} is not in\n{source}");
@@ -37,9 +37,10 @@ fn every_logic_is_a_module_and_listed_by_its_name() {
     let source = source();
     for expected in [
         "\npub mod cascade {\n",
-        "    /// Body rate asked for per radian of error, in 1/s, 0 to 30; roll, pitch, yaw.\n    \
-         pub const ATTITUDE_P: [f32; 3] = [6.0, 6.0, 3.0];",
-        "[\"cascade::RATE_D_CUTOFF\", \"20.0\", ",
+        "pub const GAINS: Gains = Gains::from_words(&[0.4, 0.1, 6.0, 6.0, 3.0, ",
+        "[\"cascade.attitude.p\", \"[6.0, 6.0, 3.0]\", \
+         \"Body rate asked for per radian of error, in 1/s, 0 to 30; roll, pitch, yaw.\"]",
+        "[\"cascade.rate.d_cutoff_hz\", \"20.0\", ",
         "pub const LOGIC: &str = \"cascade\";",
     ] {
         assert!(source.contains(expected), "{expected} is not in\n{source}");

@@ -12,14 +12,16 @@ use sha2::{Digest, Sha256};
 use crate::toolchain;
 
 /// Files and folders that a flight depends on.
-const DEPENDED_ON: [&str; 8] = [
+const DEPENDED_ON: [&str; 10] = [
     "Cargo.lock",
     "Cargo.toml",
     "build.rs",
     "config",
+    "dataflow-language/src",
     "dataflow-macros/src",
     "drivers/src",
     "hil-tests",
+    "settings/src",
     "src",
 ];
 /// Folders within these that only tell of flights, or that test.

@@ -33,6 +33,7 @@ const EVERYWHERE: &[&str] = &[
     "settings/",
     "drivers/",
     "config/",
+    "dataflow-language/",
     "dataflow-macros/",
     "hil-tests/",
     "bench/",
