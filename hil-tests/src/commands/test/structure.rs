@@ -281,7 +281,7 @@ mod tests {
                 &format!("//! {}\n", "x".repeat(LONGEST_HEADING + 1)),
                 "longer than 80",
             ),
-            (&long, "401 lines, at most 400"),
+            (&long, "601 lines, at most 600"),
         ] {
             let faults = faults_of("src/app.rs", text);
             assert!(faults[0].contains(expected), "{faults:?}");
