@@ -18,18 +18,16 @@ mod clock;
 mod hard_fault;
 mod i2c;
 pub mod imu;
-pub mod link;
 mod link_port;
 mod lsm303agr;
 mod motors;
 mod settings_block;
 mod spi;
-pub mod watchdog;
+mod watchdog;
 
 pub use clock::{Mono, now};
-pub use i2c::{Engine, Report};
-pub use link::Link;
-pub use lsm303agr::{Chips, Fetches};
+pub use i2c::Engine;
+pub use lsm303agr::Chips;
 pub use motors::Motors;
 
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -38,13 +36,17 @@ use cortex_m::singleton;
 use embedded_hal_bus::util::AtomicCell;
 use reflex::config::MOTORS;
 use reflex::settings::Settings;
-use reflex_drivers::mpu6050::{BURST_LENGTH, CHECKS};
+use reflex::tasks::link;
+use reflex_drivers::mpu6050::BURST_LENGTH;
 use stm32f4xx_hal::dma::StreamsTuple;
 use stm32f4xx_hal::gpio::{Edge, ExtiPin, PinState, Pull, gpioc, gpiod};
 use stm32f4xx_hal::syscfg::SysCfg;
 use stm32f4xx_hal::timer::MonoTimerExt;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{pac, prelude::*};
+
+/// The link over its port.
+pub type Link = link::Link<link_port::LinkPort>;
 
 /// The chip's parts, started, each for its task.
 pub struct Board {
@@ -112,7 +114,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     let mut bus = i2c::Bus::new(device.I2C1, scl, sda, rcc);
     imu::start(&mut bus);
     let buffer = singleton!(: [u8; BURST_LENGTH] = [0; BURST_LENGTH]).unwrap();
-    let mut imu_bus = Engine::new(streams.0, buffer, &CHECKS);
+    let mut imu_bus = Engine::new(streams.0, buffer);
     imu_bus.give_back(bus, None);
     watchdog.feed();
     let link = Link::new(port);

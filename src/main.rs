@@ -42,26 +42,60 @@ mod app {
 
     use defmt_rtt as _;
     use panic_probe as _;
-    use reflex::app::{Autopilot, CallRing, Fault, Next};
-    use reflex::tasks::chips::Chips as _;
-    use reflex::tasks::mpu6050;
-    use reflex::time::{Instant, micros};
+    use reflex::app::{Autopilot, CallRing};
+    use reflex::sensors::Input;
+    use reflex::tasks::chips::{self as owner, Fetches};
+    use reflex::tasks::{Board, Lock, Task, control, imu, link};
+    use reflex::time::Instant;
     use rtic_time::Monotonic;
     use stm32f4xx_hal::pac::Interrupt;
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-    use crate::board::{self, Chips, Engine, Fetches, Line, Link, Mono, Motors, Report};
-    use crate::board::{calls, imu, link, now, watchdog};
+    use crate::board::{self, Chips, Engine, Line, Link, Mono, Motors, calls, now};
 
     const HYPERPERIOD: Interrupt = Interrupt::CAN2_TX;
     const CHIPS: Interrupt = Interrupt::CAN2_RX0;
-    /// Fetches and orders per activation of `chips`, events per pass of idle.
-    const MOST_AT_ONCE: usize = 8;
+    /// Events that idle logs before it looks for a refit again.
+    const MOST_EVENTS: usize = 8;
     /// Set where idle may have something to do.
     static WORK: AtomicBool = AtomicBool::new(true);
 
     /// The autopilot with its call log.
     pub type Pilot = Autopilot<&'static mut CallRing>;
+
+    /// The board as the portable tasks see it: its clock, and a vector for each of them.
+    struct Vectors;
+
+    impl Board for Vectors {
+        fn now(&mut self) -> Instant {
+            now()
+        }
+
+        fn raise(&mut self, task: Task) {
+            match task {
+                Task::Hyperperiod => rtic::pend(HYPERPERIOD),
+                Task::Chips => rtic::pend(CHIPS),
+                // One that is under way already repairs the same chip.
+                Task::RepairImu => drop(repair_imu::spawn()),
+                Task::Idle => WORK.store(true, Ordering::Relaxed),
+            }
+        }
+
+        fn raise_hyperperiod_at(&mut self, at: Instant) {
+            let _ = late_hyperperiod::spawn(at);
+        }
+    }
+
+    /// A resource that RTIC guards.
+    struct Guarded<M>(M);
+
+    impl<M: rtic::Mutex> Lock for Guarded<M> {
+        type Target = M::T;
+
+        fn lock<T>(&mut self, step: impl FnOnce(&mut M::T) -> T) -> T {
+            self.0.lock(step)
+        }
+    }
 
     #[shared]
     struct Shared {
@@ -108,7 +142,9 @@ mod app {
     fn accel_threshold(mut cx: accel_threshold::Context) {
         let at = now();
         board::acknowledge(Line::Accel);
-        cx.shared.fetches.lock(|fetches| fetches.accel = Some(at));
+        cx.shared
+            .fetches
+            .lock(|fetches| fetches.ask(Input::ChipAccel, at));
         rtic::pend(CHIPS);
     }
 
@@ -117,7 +153,9 @@ mod app {
     fn mag_event(mut cx: mag_event::Context) {
         let at = now();
         board::acknowledge(Line::Mag);
-        cx.shared.fetches.lock(|fetches| fetches.mag = Some(at));
+        cx.shared
+            .fetches
+            .lock(|fetches| fetches.ask(Input::ChipMag, at));
         rtic::pend(CHIPS);
     }
 
@@ -136,32 +174,20 @@ mod app {
     /// A burst or a check is there, or was cut off.
     #[task(binds = DMA1_STREAM0, priority = 4, shared = [imu_bus, autopilot])]
     fn imu_received(cx: imu_received::Context) {
-        let (mut bus, mut autopilot) = (cx.shared.imu_bus, cx.shared.autopilot);
+        let (mut bus, mut autopilot) = (cx.shared.imu_bus, Guarded(cx.shared.autopilot));
         while let Some(report) = bus.lock(|bus| bus.report()) {
-            autopilot.lock(|pilot| match report {
-                Report::Burst(at, bytes) => match mpu6050::reading(&bytes) {
-                    Some(reading) => raise(pilot.on_imu(at, &reading)),
-                    None => pilot.on_fault(at, Fault::ImuStale),
-                },
-                Report::Fault(at, fault) => pilot.on_fault(at, fault),
-                Report::Check(check, held) if imu::matches(check, held) => {}
-                Report::Check(..) => {
-                    pilot.on_fault(now(), Fault::ImuConfiguration);
-                    let _ = repair_imu::spawn();
-                }
-            });
+            if let Some(difference) = imu::received(&mut Vectors, &mut autopilot, &report) {
+                board::imu::warn(&difference);
+            }
         }
-        WORK.store(true, Ordering::Relaxed);
+        Vectors.raise(Task::Idle);
     }
 
     /// The hyperperiod's end: propagates, writes the motors; the chips' thresholds follow.
     #[task(binds = CAN2_TX, priority = 4, shared = [autopilot, motors])]
     fn hyperperiod(cx: hyperperiod::Context) {
-        let (mut autopilot, mut motors) = (cx.shared.autopilot, cx.shared.motors);
-        if let Some(output) = autopilot.lock(|pilot| pilot.on_hyperperiod(now())) {
-            motors.lock(|motors| motors.write(&output));
-            rtic::pend(CHIPS);
-        }
+        let (autopilot, motors) = (cx.shared.autopilot, cx.shared.motors);
+        control::hyperperiod(&mut Vectors, &mut Guarded(autopilot), &mut Guarded(motors));
     }
 
     /// Ends a hyperperiod in which a gating sample is missing.
@@ -173,72 +199,42 @@ mod app {
 
     /// Runs control where nothing else did, feeds the watchdog, looks after the MPU6050.
     #[task(priority = 4, local = [watchdog], shared = [autopilot, motors, imu_bus])]
-    async fn failsafe(mut cx: failsafe::Context) {
-        let mut autopilot = cx.shared.autopilot;
+    async fn failsafe(cx: failsafe::Context) {
+        let mut autopilot = Guarded(cx.shared.autopilot);
+        let (mut motors, mut bus) = (Guarded(cx.shared.motors), Guarded(cx.shared.imu_bus));
         loop {
-            let time = now();
-            let due = autopilot.lock(|pilot| pilot.deadline() <= time);
-            if due && let Some(output) = autopilot.lock(|pilot| pilot.on_timer(time)) {
-                cx.shared.motors.lock(|motors| motors.write(&output));
-            }
-            rtic::pend(CHIPS);
-            WORK.store(true, Ordering::Relaxed);
             cx.local.watchdog.feed();
-            if cx.shared.imu_bus.lock(|bus| imu::is_silent(bus, time)) {
-                let _ = repair_imu::spawn();
-            }
-            let deadline = autopilot.lock(|pilot| pilot.deadline());
-            let (soonest, latest) = (time + micros(500), time + watchdog::LONGEST_SLEEP);
-            Mono::delay_until(deadline.clamp(soonest, latest)).await;
+            let next = control::failsafe(&mut Vectors, &mut autopilot, &mut motors, &mut bus);
+            Mono::delay_until(next).await;
         }
     }
 
     /// Owner of the SPI bus: samples first, then orders; after a failure it waits to be raised.
     #[task(binds = CAN2_RX0, priority = 3, local = [chips], shared = [autopilot, fetches])]
     fn chips(cx: chips::Context) {
-        let (mut autopilot, mut fetches) = (cx.shared.autopilot, cx.shared.fetches);
-        for _ in 0..MOST_AT_ONCE {
-            if let Some((input, at)) = fetches.lock(Fetches::next) {
-                let sample = cx.local.chips.fetch(input);
-                autopilot.lock(|pilot| match sample {
-                    Ok(sample) => raise(sample.deliver(pilot, at)),
-                    Err(_) => pilot.on_fault(at, Fault::ChipBus),
-                });
-            } else if let Some(order) = autopilot.lock(|pilot| pilot.next_order()) {
-                let result = cx.local.chips.execute(order);
-                autopilot.lock(|pilot| {
-                    let at = now();
-                    if let Ok(Some(sample)) = result.map(|obeyed| obeyed.sample) {
-                        raise(sample.deliver(pilot, at));
-                    }
-                    pilot.on_order_done(at, order, result.map(|obeyed| obeyed.setting));
-                });
-                if result.is_err() {
-                    return;
-                }
-            } else {
-                return;
-            }
-        }
-        rtic::pend(CHIPS);
+        let mut autopilot = Guarded(cx.shared.autopilot);
+        let mut fetches = Guarded(cx.shared.fetches);
+        owner::serve(&mut Vectors, &mut fetches, &mut autopilot, cx.local.chips);
     }
 
     /// The line fell idle: takes what came.
     #[task(binds = USART2, priority = 2, shared = [link, autopilot])]
     fn link_idle(cx: link_idle::Context) {
-        receive(cx.shared.link, cx.shared.autopilot);
+        let (mut link, mut autopilot) = (Guarded(cx.shared.link), Guarded(cx.shared.autopilot));
+        link::receive(&mut Vectors, &mut link, &mut autopilot);
     }
 
     /// Half of the ring is full: takes what came.
     #[task(binds = DMA1_STREAM5, priority = 2, shared = [link, autopilot])]
     fn link_half(cx: link_half::Context) {
-        receive(cx.shared.link, cx.shared.autopilot);
+        let (mut link, mut autopilot) = (Guarded(cx.shared.link), Guarded(cx.shared.autopilot));
+        link::receive(&mut Vectors, &mut link, &mut autopilot);
     }
 
     /// A block went out: sends the next.
     #[task(binds = DMA1_STREAM6, priority = 2, shared = [link])]
     fn link_sent(mut cx: link_sent::Context) {
-        cx.shared.link.lock(|link| link.on_sent());
+        cx.shared.link.lock(|link| link.port().on_sent());
     }
 
     /// Tells the peer once a second that the drone is there, and its state.
@@ -247,7 +243,9 @@ mod app {
         let (mut link, mut autopilot) = (cx.shared.link, cx.shared.autopilot);
         loop {
             let state = autopilot.lock(|pilot| pilot.telemetry());
-            link.lock(|link| link.beat(state.arming));
+            if let Some(counters) = link.lock(|link| link.beat(state.arming)) {
+                defmt::warn!("link: {}", counters);
+            }
             Mono::delay(link::BEAT).await;
         }
     }
@@ -257,7 +255,7 @@ mod app {
     async fn repair_imu(cx: repair_imu::Context) {
         let mut engine = cx.shared.imu_bus;
         if let Some(mut bus) = engine.lock(|engine| engine.lend()) {
-            let fault = imu::repair(&mut bus, cx.local.failed);
+            let fault = board::imu::repair(&mut bus, cx.local.failed);
             engine.lock(|engine| engine.give_back(bus, fault));
         }
     }
@@ -273,33 +271,11 @@ mod app {
                     autopilot.lock(|pilot| pilot.on_refit(now(), fit));
                 }
                 let mut next = |_| autopilot.lock(|pilot| pilot.next_event());
-                for event in (0..MOST_AT_ONCE).map_while(&mut next) {
+                for event in (0..MOST_EVENTS).map_while(&mut next) {
                     defmt::info!("{}", event);
                 }
             }
             board::sleep_unless(&WORK);
-        }
-    }
-
-    /// Does what a sample or a message asked for.
-    fn raise(next: Next) {
-        match next {
-            Next::Wait => {}
-            Next::Hyperperiod => rtic::pend(HYPERPERIOD),
-            // Where one is awaited already, that one or the failsafe ends this one too.
-            Next::HyperperiodAt(at) => drop(late_hyperperiod::spawn(at)),
-        }
-    }
-
-    /// Takes what the link brought; messages go to the autopilot, answers back to the peer.
-    fn receive(mut link: impl rtic::Mutex<T = Link>, mut autopilot: impl rtic::Mutex<T = Pilot>) {
-        let deliver = |message: &_| {
-            let (next, answer) = autopilot.lock(|pilot| pilot.on_message(now(), message));
-            raise(next);
-            answer
-        };
-        if let Some(fault) = link.lock(|link| link.receive(now(), deliver)) {
-            autopilot.lock(|pilot| pilot.on_fault(now(), fault));
         }
     }
 }

@@ -4,9 +4,9 @@
 //! log -> flight -> chip models -> drivers -> [ autopilot ] -> calls -> the same score
 //!           \-> setpoints -> link frames -> parser -^
 //! ```
-//! The chip models, their seeds, the drivers that program them, the link's parser and the
-//! autopilot are those of the emulated tier; what is left out is the processor. A small board
-//! (`board`, `tasks`) plays what the firmware's tasks do, with what they take as constants
+//! The chip models, their seeds, the drivers that program them, the tasks around the autopilot and
+//! the autopilot are those of the emulated tier; what is left out is the processor. A small board
+//! (`board`, `events`) keeps virtual time and calls the tasks, with what they take as constants
 //! (`timing`). So this tier is some hundred times faster than the flight was, and says what
 //! control does; what it costs on the target, and whether the firmware does it, only the
 //! emulated tier says. The two agree in what they decide, not bit by bit: their samples differ
@@ -18,10 +18,12 @@
 mod about;
 mod agenda;
 mod board;
-mod tasks;
+mod events;
+mod line;
 #[cfg(test)]
 pub(crate) mod tests;
 mod timing;
+mod vectors;
 mod wires;
 
 use std::sync::Arc;

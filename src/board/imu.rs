@@ -1,18 +1,15 @@
-//! The MPU6050's start, repair and register checks.
+//! The MPU6050's start and repair, with their lines in the log.
 //!
 //! Its samples come by [`super::i2c::Engine`].
 
 use reflex::app::Fault;
-use reflex::tasks::mpu6050::CONFIG;
-use reflex::time::{Duration, Instant, micros, span};
+use reflex::tasks::imu::Imu;
+use reflex::tasks::mpu6050::{CONFIG, Sensor};
 use reflex_drivers::legacy_hal::Lent;
-use reflex_drivers::mpu6050::{ADDRESS, Check, LONGEST_CHECK, Mpu6050};
+use reflex_drivers::mpu6050::{ADDRESS, Difference, Mpu6050};
 
 use crate::board::clock::Delay;
-use crate::board::i2c::{Bus, Engine};
-
-/// Without a burst for this long the chip counts as silent.
-const SILENCE: Duration = micros(20_000);
+use crate::board::i2c::Bus;
 
 /// Wakes the chip and configures it, for the first time; 100 ms of that is the crate's wait.
 ///
@@ -44,8 +41,7 @@ pub fn repair(bus: &mut Bus, failed: &mut bool) -> Option<Fault> {
     if let Some(recovery) = bus.revive() {
         defmt::warn!("I2C: {}", recovery);
     }
-    let mut chip = Mpu6050::new(bus, ADDRESS);
-    let result = chip.check_identity().and_then(|()| chip.configure(&CONFIG));
+    let result = Sensor::configure(bus);
     match result {
         Ok(()) => defmt::info!("MPU6050 configured anew"),
         Err(error) if !*failed => defmt::error!("MPU6050: {}; tried again", error),
@@ -55,23 +51,12 @@ pub fn repair(bus: &mut Bus, failed: &mut bool) -> Option<Fault> {
     result.is_err().then_some(Fault::ImuBus)
 }
 
-/// Whether bursts have stopped coming; also has some registers checked behind the next one.
-pub fn is_silent(bus: &mut Engine, now: Instant) -> bool {
-    bus.check_soon();
-    span(bus.last_burst(), now) > SILENCE
-}
-
-/// Compares what a check read with what the chip is to hold; names the first difference.
-#[must_use]
-pub fn matches(check: Check, held: [u8; LONGEST_CHECK]) -> bool {
-    let Some(difference) = check.difference(&CONFIG, held) else {
-        return true;
-    };
+/// Names the register that a check found changed.
+pub fn warn(difference: &Difference) {
     defmt::warn!(
         "MPU6050: register {=u8:#x} holds {=u8:#x}, not {=u8:#x}: configured anew",
         difference.register,
         difference.held,
         difference.expected
     );
-    false
 }

@@ -6,6 +6,7 @@
 
 use heapless::Vec;
 use reflex::config::LINK_BAUD;
+use reflex::tasks::link::{Overrun, Port};
 use stm32f4xx_hal::ClearFlags;
 use stm32f4xx_hal::dma::traits::{Channel, Stream, StreamISR};
 use stm32f4xx_hal::dma::{ChannelX, DmaDirection, Stream5, Stream6};
@@ -18,10 +19,6 @@ pub const RING: usize = 512;
 pub const BLOCK: usize = 128;
 /// APB1 clock in Hz.
 const PCLK: u32 = 42_000_000;
-
-/// Bytes were lost.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, defmt::Format)]
-pub struct Overrun;
 
 /// The port with its two DMA streams.
 pub struct LinkPort {
@@ -99,13 +96,47 @@ impl LinkPort {
         stream.listen_transfer_complete();
     }
 
-    /// Copies what came since the last call into `into`, and says how many bytes that was.
-    ///
-    /// Clears what raised the interrupt. What does not fit stays for the next call.
-    ///
-    /// # Errors
-    /// The ring was overtaken: its content is dropped.
-    pub fn take(&mut self, into: &mut [u8]) -> Result<usize, Overrun> {
+    /// Where the DMA writes next.
+    fn position(&self) -> usize {
+        (RING - usize::from(self.receive.number_of_transfers())) % RING
+    }
+
+    fn read(&self, place: usize) -> u8 {
+        self.ring.get(place).map_or(0, |byte| {
+            // SAFETY: a valid reference; volatile, because the DMA controller writes the ring.
+            unsafe { core::ptr::read_volatile(byte) }
+        })
+    }
+
+    /// The end of a block: starts the next one.
+    pub fn on_sent(&mut self) {
+        self.send.clear_all_flags();
+        self.sending = false;
+        self.send_block();
+    }
+
+    fn send_block(&mut self) {
+        let length = self.gathered.len();
+        if length == 0 {
+            return;
+        }
+        for (place, byte) in self.block.iter_mut().zip(&self.gathered) {
+            // SAFETY: a valid reference; volatile, because the DMA controller reads it.
+            unsafe { core::ptr::write_volatile(place, *byte) };
+        }
+        self.gathered.clear();
+        self.send.set_number_of_transfers(length as u16);
+        self.send.clear_all_flags();
+        self.sending = true;
+        // SAFETY: configured in `prepare_sending`; the block is static, `length` is within it, and
+        // it is written again only after `on_sent`.
+        unsafe { self.send.enable() };
+    }
+}
+
+impl Port for LinkPort {
+    // Also clears what raised the interrupt.
+    fn take(&mut self, into: &mut [u8]) -> Result<usize, Overrun> {
         let status = self.usart.sr().read();
         if status.idle().bit_is_set() || status.ore().bit_is_set() {
             // Status, then data: clears both. The DMA controller has taken the byte long ago.
@@ -136,23 +167,7 @@ impl LinkPort {
         Ok(count)
     }
 
-    /// Where the DMA writes next.
-    fn position(&self) -> usize {
-        (RING - usize::from(self.receive.number_of_transfers())) % RING
-    }
-
-    fn read(&self, place: usize) -> u8 {
-        self.ring.get(place).map_or(0, |byte| {
-            // SAFETY: a valid reference; volatile, because the DMA controller writes the ring.
-            unsafe { core::ptr::read_volatile(byte) }
-        })
-    }
-
-    /// Queues a frame; a frame that does not fit any more is dropped whole.
-    ///
-    /// # Errors
-    /// The frame was dropped: the line is slower than what is to be said.
-    pub fn send(&mut self, frame: &[u8]) -> Result<(), Overrun> {
+    fn send(&mut self, frame: &[u8]) -> Result<(), Overrun> {
         self.gathered
             .extend_from_slice(frame)
             .map_err(|_| Overrun)?;
@@ -160,30 +175,5 @@ impl LinkPort {
             self.send_block();
         }
         Ok(())
-    }
-
-    /// The end of a block: starts the next one.
-    pub fn on_sent(&mut self) {
-        self.send.clear_all_flags();
-        self.sending = false;
-        self.send_block();
-    }
-
-    fn send_block(&mut self) {
-        let length = self.gathered.len();
-        if length == 0 {
-            return;
-        }
-        for (place, byte) in self.block.iter_mut().zip(&self.gathered) {
-            // SAFETY: a valid reference; volatile, because the DMA controller reads it.
-            unsafe { core::ptr::write_volatile(place, *byte) };
-        }
-        self.gathered.clear();
-        self.send.set_number_of_transfers(length as u16);
-        self.send.clear_all_flags();
-        self.sending = true;
-        // SAFETY: configured in `prepare_sending`; the block is static, `length` is within it, and
-        // it is written again only after `on_sent`.
-        unsafe { self.send.enable() };
     }
 }

@@ -5,36 +5,14 @@
 
 use embedded_hal_bus::spi::AtomicDevice;
 use embedded_hal_bus::util::AtomicCell;
-use reflex::sensors::Input;
 use reflex::settings::Settings;
 use reflex::tasks::lsm303agr::Lsm303agr;
-use reflex::time::Instant;
 use stm32f4xx_hal::gpio::{Output, PA4, PC4};
 
 use crate::board::clock::Delay;
 use crate::board::spi::Spi1;
 
 type Device<CS> = AtomicDevice<'static, Spi1, CS, Delay>;
-
-/// Interrupts whose sample is still to be fetched: the latest of each half.
-///
-/// One place per half is a bounded queue that cannot overflow: a second interrupt before the
-/// fetch is about the sample that the same fetch reads.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Fetches {
-    /// Stamp of the accelerometer's interrupt.
-    pub accel: Option<Instant>,
-    /// Stamp of the magnetometer's interrupt.
-    pub mag: Option<Instant>,
-}
-
-impl Fetches {
-    /// Takes the next one: which input, and its stamp.
-    pub fn next(&mut self) -> Option<(Input, Instant)> {
-        let accel = self.accel.take().map(|at| (Input::ChipAccel, at));
-        accel.or_else(|| self.mag.take().map(|at| (Input::ChipMag, at)))
-    }
-}
 
 /// Both halves of the chip.
 pub type Chips = Lsm303agr<Device<PA4<Output>>, Device<PC4<Output>>>;

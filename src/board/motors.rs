@@ -9,6 +9,7 @@ use reflex::airframe::{MotorShares, period_ticks, ticks};
 use reflex::config::MOTORS;
 use reflex::safety::MotorOutput;
 use reflex::settings::MotorProtocol;
+use reflex::tasks::control;
 use stm32f4xx_hal::pac::{self, tim3};
 use stm32f4xx_hal::rcc::{self, Enable, Reset};
 
@@ -53,14 +54,6 @@ impl Motors {
         motors
     }
 
-    /// Writes the whole vector; it takes effect at the next update event.
-    ///
-    /// The arithmetic comes first: the stores are back to back, so that an update event finds
-    /// either none or all of them but for a share of 10^-4 of its period.
-    pub fn write(&mut self, output: &MotorOutput) {
-        self.store(output.share());
-    }
-
     fn store(&mut self, shares: MotorShares) {
         let mut ticks = shares.map(|share| ticks(self.protocol, share)).into_iter();
         let first = &self.first;
@@ -72,6 +65,16 @@ impl Motors {
                 register.write(|w| w.ccr().set(ticks));
             }
         }
+    }
+}
+
+impl control::Motors for Motors {
+    /// Writes the whole vector; it takes effect at the next update event.
+    ///
+    /// The arithmetic comes first: the stores are back to back, so that an update event finds
+    /// either none or all of them but for a share of 10^-4 of its period.
+    fn write(&mut self, output: &MotorOutput) {
+        self.store(output.share());
     }
 }
 

@@ -1,13 +1,10 @@
 //! The independent watchdog: resets the board when the failsafe timer stops coming.
 //!
 //! It runs from its own oscillator, which is 17 to 47 kHz by the datasheet, so that a timeout of
-//! 400 ms may be 272 ms: the timer task feeds it at least every [`LONGEST_SLEEP`].
+//! 400 ms may be 272 ms: the failsafe's task feeds it more often, at least every
+//! [`reflex::tasks::control::LONGEST_SLEEP`].
 
-use reflex::time::{Duration, micros};
 use stm32f4xx_hal::{pac, prelude::*, watchdog::IndependentWatchdog};
-
-/// The longest time between two feeds.
-pub const LONGEST_SLEEP: Duration = micros(100_000);
 
 /// Starts the watchdog, stopped while a debugger halts the core.
 ///

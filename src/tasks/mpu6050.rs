@@ -1,7 +1,12 @@
 //! The MPU6050 as gyroscope and accelerometer that gate the hyperperiod.
 
-use reflex_drivers::mpu6050::{BURST_LENGTH, ImuBurst, ImuConfig};
+use embedded_hal::i2c::I2c;
+use reflex_drivers::Error;
+use reflex_drivers::mpu6050::{
+    ADDRESS, BURST_LENGTH, CHECKS, Check, Difference, ImuBurst, ImuConfig, LONGEST_CHECK, Mpu6050,
+};
 
+use super::imu::Imu;
 use crate::config::IMU_RATE;
 use crate::math::Vec3;
 use crate::sensors::ImuReading;
@@ -14,17 +19,41 @@ pub const CONFIG: ImuConfig = ImuConfig {
     ..ImuConfig::FLIGHT
 };
 
-/// Decodes a burst; `None` where no new data were ready, so that it repeats an old sample.
-#[must_use]
-pub fn reading(burst: &[u8; BURST_LENGTH]) -> Option<ImuReading> {
-    let burst = ImuBurst::from_bytes(burst);
-    let rates = burst.angular_rate(CONFIG.gyro_range).map(|axis| axis.0);
-    let force = burst.specific_force(CONFIG.accel_range).map(|axis| axis.0);
-    burst.interrupt_status.data_ready().then_some(ImuReading {
-        rates: BodyRates(Vec3::from_array(rates)),
-        force: SpecificForce(Vec3::from_array(force)),
-        temperature: burst.die_temperature().0,
-    })
+/// The MPU6050 at its first address.
+#[derive(Clone, Copy, Debug)]
+pub struct Sensor;
+
+impl Imu for Sensor {
+    type Burst = [u8; BURST_LENGTH];
+    type Check = Check;
+    type Held = [u8; LONGEST_CHECK];
+    type Difference = Difference;
+
+    const CHECKS: &'static [Check] = &CHECKS;
+
+    fn reading(burst: &Self::Burst) -> Option<ImuReading> {
+        let burst = ImuBurst::from_bytes(burst);
+        if !burst.interrupt_status.data_ready() {
+            return None;
+        }
+        let rates = burst.angular_rate(CONFIG.gyro_range).map(|axis| axis.0);
+        let force = burst.specific_force(CONFIG.accel_range).map(|axis| axis.0);
+        Some(ImuReading {
+            rates: BodyRates(Vec3::from_array(rates)),
+            force: SpecificForce(Vec3::from_array(force)),
+            temperature: burst.die_temperature().0,
+        })
+    }
+
+    fn difference(check: Check, held: &Self::Held) -> Option<Difference> {
+        check.difference(&CONFIG, *held)
+    }
+
+    fn configure<B: I2c>(bus: &mut B) -> Result<(), Error<B::Error>> {
+        let mut chip = Mpu6050::new(bus, ADDRESS);
+        chip.check_identity()?;
+        chip.configure(&CONFIG)
+    }
 }
 
 #[cfg(test)]
@@ -35,7 +64,7 @@ mod tests {
     #[test]
     fn a_burst_is_decoded_in_the_order_of_the_register_map() {
         let burst = [1, 0x08, 0, 0, 0, 0xF8, 0, 9, 9, 0, 164, 0, 0, 0xFF, 0x5C];
-        let reading = reading(&burst).expect("data ready");
+        let reading = Sensor::reading(&burst).expect("data ready");
         assert!((reading.force.0.x - GRAVITY).abs() < 1e-4);
         assert!((reading.force.0.z + GRAVITY).abs() < 1e-4);
         assert!((reading.rates.0.x.to_degrees() - 10.0).abs() < 1e-4);
@@ -44,7 +73,7 @@ mod tests {
 
     #[test]
     fn a_burst_without_new_data_is_no_sample() {
-        assert_eq!(reading(&[0; 15]), None);
+        assert_eq!(Sensor::reading(&[0; 15]), None);
     }
 
     #[test]
@@ -53,7 +82,11 @@ mod tests {
         for bit in 8..15 * 8 {
             let mut other = burst;
             other[bit / 8] ^= 1 << (bit % 8);
-            assert_ne!(reading(&burst), reading(&other), "bit {bit}");
+            assert_ne!(
+                Sensor::reading(&burst),
+                Sensor::reading(&other),
+                "bit {bit}"
+            );
         }
     }
 }

@@ -1,31 +1,32 @@
 //! The native board: chips, buses and tasks around one autopilot, in virtual time.
 //!
-//! It does what `main.rs` of the firmware does, in the same order and at nearly the same
-//! instants, without its instructions: interrupt edges of the chip models are stamped, bytes
-//! move, one `on_*` of the autopilot is called. Tasks do not preempt each other; what a task
-//! takes is a constant of `timing`. Nothing reads a clock and nothing is random but the models'
-//! seeds, so the same flight gives the same calls.
+//! It calls the tasks of the firmware, those of `reflex::tasks`, in the same order and at nearly
+//! the same instants: interrupt edges of the chip models are stamped, bytes move. Tasks do not
+//! preempt each other; what a task takes is a constant of `timing`. Nothing reads a clock and
+//! nothing is random but the models' seeds, so the same flight gives the same calls.
 //!
 //! **Not played**: the log, answers and telemetry on the link, the motors' timers.
 
-use std::collections::VecDeque;
 use std::sync::Arc;
 
 use embedded_hal::i2c::I2c;
 use reflex::app::{Autopilot, Call, Recorder, Stamped};
-use reflex::link::Parser;
 use reflex::reactive::Refit;
 use reflex::settings::Settings;
+use reflex::tasks::chips::{Done, Fetches};
+use reflex::tasks::imu::Guard;
+use reflex::tasks::link::Link;
 use reflex::tasks::lsm303agr::Lsm303agr;
-use reflex::tasks::mpu6050::CONFIG;
+use reflex::tasks::mpu6050::{CONFIG, Sensor};
 use reflex::time::Instant;
 use reflex_drivers::mpu6050::{self, BURST_LENGTH};
 
 use super::agenda::{Agenda, Event};
-use super::tasks::Work;
+use super::line::Line;
 use super::timing::{
-    ARRIVAL_NS, BOOT_NS, CHIPS_START_NS, IMU_START_NS, IMU_WAKE_NS, SHORTEST_BURST_NS,
+    ARRIVAL_NS, BOOT_NS, CHIPS_START_NS, IMU_START_NS, IMU_WAKE_NS, SHORTEST_BURST_NS, clock,
 };
+use super::vectors::{Outputs, Vectors};
 use super::wires::{BusTime, I2cBus, Spi, Wire};
 use crate::logics::{AnyLogic, LogicName};
 use chip_models::lsm303agr::{Accelerometer, Magnetometer};
@@ -60,33 +61,26 @@ pub(crate) struct NativeBoard {
     pub(super) agenda: Agenda,
     pub(super) now_ns: u64,
 
+    /// What the present event raised, and the firmware's time.
+    pub(super) vectors: Vectors,
+    pub(super) motors: Outputs,
+
     pub(super) imu: Wire<Mpu6050>,
     pub(super) imu_bus: I2cBus,
     pub(super) burst: Option<Burst>,
-    /// When the last burst came to its end, or the bus came back.
-    pub(super) last_burst_ns: u64,
-    pub(super) imu_check_due: bool,
-    /// Register checks so far.
-    pub(super) imu_check: usize,
+    pub(super) guard: Guard<Sensor>,
 
     pub(super) accel: Wire<Accelerometer>,
     pub(super) mag: Wire<Magnetometer>,
     pub(super) spi_time: BusTime,
     pub(super) chips: Lsm303agr<Spi<Accelerometer>, Spi<Magnetometer>>,
-    /// Stamps of interrupts whose sample is still to be fetched.
-    pub(super) accel_fetch: Option<Instant>,
-    pub(super) mag_fetch: Option<Instant>,
-    /// What the LSM303AGR's owner is about.
-    pub(super) work: Option<Work>,
-    /// It was raised again meanwhile.
+    pub(super) fetches: Fetches,
+    /// What the chips' owner did on the bus, to be reported when the bus is done.
+    pub(super) done: Option<Done>,
+    /// The owner was raised again meanwhile.
     pub(super) raised_again: bool,
 
-    pub(super) parser: Parser,
-    /// Frames to come, in order of time.
-    pub(super) frames: VecDeque<LinkFrame>,
-    /// The frame that is being received, and when the line falls idle behind it.
-    pub(super) frame: Option<LinkFrame>,
-    pub(super) line_free_ns: u64,
+    pub(super) link: Link<Line>,
 
     pub(super) refit: Option<Refit>,
 }
@@ -122,24 +116,20 @@ impl NativeBoard {
             pilot: Autopilot::with_logic(settings, Calls::default(), logic.logic()),
             agenda: Agenda::new(),
             now_ns: 0,
+            vectors: Vectors::at(clock(0)),
+            motors: Outputs::default(),
             imu,
             imu_bus,
             burst: None,
-            last_burst_ns: BOOT_NS,
-            imu_check_due: false,
-            imu_check: 0,
+            guard: Guard::new(clock(BOOT_NS)),
             accel,
             mag,
             spi_time,
             chips,
-            accel_fetch: None,
-            mag_fetch: None,
-            work: None,
+            fetches: Fetches::default(),
+            done: None,
             raised_again: false,
-            parser: Parser::new(),
-            frames: frames.into(),
-            frame: None,
-            line_free_ns: 0,
+            link: Link::new(Line::new(frames)),
             refit: None,
         };
         board.start_up();
@@ -166,6 +156,7 @@ impl NativeBoard {
         while let Some((at_ns, event)) = self.agenda.take(until_ns) {
             // What a bus did ahead of time is noted at its own instant, never before now.
             self.now_ns = self.now_ns.max(at_ns);
+            self.vectors.now = clock(self.now_ns);
             match event {
                 Event::ImuLine => self.on_imu_line(),
                 Event::AccelLine => self.on_accel_line(),
@@ -210,8 +201,8 @@ impl NativeBoard {
 
     /// Sends a frame, behind those that were given before.
     pub(crate) fn transmit(&mut self, frame: LinkFrame) {
-        self.frames.push_back(frame);
-        if self.frame.is_none() {
+        self.link.port().push(frame);
+        if self.link.port().is_idle() {
             self.receive_next_frame();
         }
     }

@@ -4,7 +4,7 @@
 //! as constants, so that calls carry nearly the stamps they have on the target. They are rounded
 //! from replays on the emulated board; a few microseconds move no result.
 
-use reflex::time::{Duration, Instant, at_micros, micros};
+use reflex::time::{Instant, at_micros};
 
 /// When the firmware's clock starts after reset, ns.
 pub(super) const CLOCK_START_NS: u64 = 24_000;
@@ -32,11 +32,6 @@ pub(super) const CHIPS_STEP_NS: u64 = 3_000;
 pub(super) const REFIT_NS: u64 = 200_000;
 /// One character on the link at its rate: start bit, eight bits, stop bit, ns.
 pub(super) const CHARACTER_NS: u64 = 10 * 1_000_000_000 / reflex::config::LINK_BAUD as u64;
-
-/// Without a burst for this long the MPU6050 counts as silent, as on the board.
-pub(super) const SILENCE: Duration = micros(20_000);
-/// The shortest and the longest sleep of the failsafe's task, as on the board.
-pub(super) const SLEEP: (Duration, Duration) = (micros(500), micros(100_000));
 
 /// The firmware's clock at an instant of virtual time.
 pub(crate) fn clock(at_ns: u64) -> Instant {

@@ -4,12 +4,14 @@
 //! event interrupts of some 40 instructions and one at the end of the DMA. A transaction still
 //! under way when the next one is due is cut off and reported: nothing here waits, so nothing
 //! here can hang. Checks of the chip's registers are appended to a burst by a repeated START, so
-//! they never delay one, and one may wait at a time.
+//! they never delay one.
 
 use heapless::Deque;
 use reflex::app::Fault;
-use reflex::time::{Duration, Instant, micros, span};
-use reflex_drivers::mpu6050::{ADDRESS, BURST_LENGTH, BURST_START, Check, LONGEST_CHECK};
+use reflex::tasks::imu::{self, Guard, Guarded};
+use reflex::tasks::mpu6050::Sensor;
+use reflex::time::Instant;
+use reflex_drivers::mpu6050::{ADDRESS, BURST_LENGTH, BURST_START, Check};
 use stm32f4xx_hal::ClearFlags;
 use stm32f4xx_hal::dma::traits::{Channel, Stream, StreamISR};
 use stm32f4xx_hal::dma::{ChannelX, DmaDirection, Stream0, config::Priority};
@@ -17,26 +19,13 @@ use stm32f4xx_hal::pac::{self, Interrupt};
 
 use super::Bus;
 
-/// A check is begun this long after the burst's interrupt at the latest: it then ends before
-/// the next burst, at 1 kHz with an oscillator 5 % fast. The longest, 8 bytes on the bus and one
-/// of margin, takes 203 us.
-const LATEST_CHECK: Duration = micros(600);
 /// Event interrupts of one transaction before it counts as hung; five are expected, and a START
 /// that waits for its turn on the bus repeats the one before it for some microseconds.
 const MOST_EVENTS: u8 = 100;
 /// Reports that may wait.
 const REPORTS: usize = 4;
 
-/// What a transaction came to.
-#[derive(Clone, Copy, Debug)]
-pub enum Report {
-    /// A burst, with the stamp of its interrupt.
-    Burst(Instant, [u8; BURST_LENGTH]),
-    /// What the registers of a check hold.
-    Check(Check, [u8; LONGEST_CHECK]),
-    /// A transaction was cut off.
-    Fault(Instant, Fault),
-}
+type Report = imu::Report<Sensor>;
 
 /// What the transaction under way is for.
 #[derive(Clone, Copy, Debug)]
@@ -64,23 +53,23 @@ pub struct Engine {
     buffer: &'static mut [u8; BURST_LENGTH],
     phase: Phase,
     purpose: Purpose,
-    received: Instant,
+    guard: Guard<Sensor>,
     events: u8,
     reports: Deque<Report, REPORTS>,
-    /// Checks in turn, and whether one is due behind the next burst.
-    plan: &'static [Check],
-    turn: usize,
-    check_due: bool,
+}
+
+impl Guarded for Engine {
+    type Imu = Sensor;
+
+    fn guard(&mut self) -> &mut Guard<Sensor> {
+        &mut self.guard
+    }
 }
 
 impl Engine {
     /// Takes the stream and a buffer that the DMA controller can reach; the bus comes by
     /// [`Engine::give_back`].
-    pub fn new(
-        mut stream: Stream0<pac::DMA1>,
-        buffer: &'static mut [u8; BURST_LENGTH],
-        plan: &'static [Check],
-    ) -> Self {
+    pub fn new(mut stream: Stream0<pac::DMA1>, buffer: &'static mut [u8; BURST_LENGTH]) -> Self {
         stream.set_channel(ChannelX::<1>::VALUE);
         stream.set_direction(DmaDirection::PeripheralToMemory);
         stream.set_memory_increment(true);
@@ -94,12 +83,9 @@ impl Engine {
             buffer,
             phase: Phase::Idle,
             purpose: Purpose::Burst(never),
-            received: never,
+            guard: Guard::new(never),
             events: 0,
             reports: Deque::new(),
-            plan,
-            turn: 0,
-            check_due: false,
         }
     }
 
@@ -109,16 +95,6 @@ impl Engine {
             self.abort(Fault::ImuOverrun, at);
         }
         self.begin(Purpose::Burst(at));
-    }
-
-    /// Has the next check of the plan read behind the next burst that leaves time for it.
-    pub fn check_soon(&mut self) {
-        self.check_due = true;
-    }
-
-    /// When the last burst came to its end, or the bus came back.
-    pub fn last_burst(&self) -> Instant {
-        self.received
     }
 
     /// Lends the bus for polled transfers; bursts that fall into that time are left out.
@@ -139,7 +115,7 @@ impl Engine {
         }
         self.bus = Some(bus);
         self.phase = Phase::Idle;
-        self.received = crate::board::now();
+        self.guard.hear(crate::board::now());
     }
 
     /// The oldest report that was not taken yet; call until `None`.
@@ -259,14 +235,9 @@ impl Engine {
         let _ = self.reports.push_back(report);
         let now = crate::board::now();
         if let Purpose::Burst(at) = self.purpose {
-            self.received = now;
-            if self.check_due
-                && span(at, now) < LATEST_CHECK
-                && let Some(check) = self.plan.get(self.turn)
-            {
-                self.check_due = false;
-                self.turn = (self.turn + 1) % self.plan.len();
-                return self.begin(Purpose::Check(*check));
+            self.guard.hear(now);
+            if let Some(check) = self.guard.check(at, now) {
+                return self.begin(Purpose::Check(check));
             }
         }
         self.phase = Phase::Idle;

@@ -1,0 +1,214 @@
+//! What each event of the native board leads to: a task of the firmware, on modelled buses.
+//!
+//! A bus transfer is played when it starts; what came of it reaches the autopilot when it ends.
+
+use embedded_hal::i2c::I2c;
+use reflex::app::Fault;
+use reflex::sensors::Input;
+use reflex::tasks::chips::Work;
+use reflex::tasks::imu::{self, Imu, Report};
+use reflex::tasks::mpu6050::Sensor;
+use reflex::tasks::{Unshared, control, link};
+use reflex_drivers::mpu6050::{ADDRESS, BURST_LENGTH, BURST_START, LONGEST_CHECK};
+
+use super::agenda::Event;
+use super::board::{Burst, NativeBoard};
+use super::timing::{
+    ARRIVAL_NS, BOOT_NS, BURST_START_NS, CHIPS_STEP_NS, REFIT_NS, RUN_NS, clock, nanos,
+};
+
+impl NativeBoard {
+    /// Stamps the sample and starts its burst.
+    pub(super) fn on_imu_line(&mut self) {
+        if let Some(at_ns) = self.imu.hear(self.now_ns)
+            && !self.agenda.is_noted(Event::Repaired)
+        {
+            self.start_burst(at_ns.max(BOOT_NS));
+        }
+        self.watch_imu();
+    }
+
+    fn start_burst(&mut self, at_ns: u64) {
+        let at = clock(at_ns);
+        if self.burst.is_some() {
+            self.pilot.on_fault(at, Fault::ImuOverrun);
+        }
+        self.imu_bus.time.set_ns(at_ns + BURST_START_NS);
+        let mut bytes = [0; BURST_LENGTH];
+        let read = self
+            .imu_bus
+            .write_read(ADDRESS, &[BURST_START], &mut bytes)
+            .is_ok();
+        self.burst = Some(Burst {
+            at,
+            bytes: read.then_some(bytes),
+        });
+        self.agenda.set(Event::Burst, self.imu_bus.time.now_ns());
+    }
+
+    /// A burst is there; a check may follow it.
+    pub(super) fn on_burst(&mut self) {
+        let Some(Burst { at, bytes }) = self.burst.take() else {
+            return;
+        };
+        let now = self.vectors.now;
+        self.guard.hear(now);
+        self.report_imu(&match bytes {
+            Some(bytes) => Report::Burst(at, bytes),
+            None => Report::Fault(now, Fault::ImuBus),
+        });
+        if let Some(check) = self.guard.check(at, now) {
+            self.imu_bus.time.set_ns(self.now_ns);
+            let mut held = [0; LONGEST_CHECK];
+            let into = &mut held[..usize::from(check.length)];
+            let read = self.imu_bus.write_read(ADDRESS, &[check.register], into);
+            self.report_imu(&match read {
+                Ok(()) => Report::Check(check, held),
+                Err(_) => Report::Fault(now, Fault::ImuBus),
+            });
+            self.watch_imu();
+        }
+        self.vectors.idle = true;
+        self.dispatch(ARRIVAL_NS);
+    }
+
+    fn report_imu(&mut self, report: &Report<Sensor>) {
+        imu::received(&mut self.vectors, &mut Unshared(&mut self.pilot), report);
+    }
+
+    /// Configures the MPU6050 anew; bursts pause meanwhile.
+    fn repair_imu(&mut self) {
+        if self.agenda.is_noted(Event::Repaired) {
+            return;
+        }
+        self.burst = None;
+        self.imu_bus.time.set_ns(self.now_ns);
+        let configured = Sensor::configure(&mut self.imu_bus);
+        let done_ns = self.imu_bus.time.now_ns();
+        if configured.is_err() {
+            self.pilot.on_fault(clock(done_ns), Fault::ImuBus);
+        }
+        self.agenda.set(Event::Repaired, done_ns);
+        self.watch_imu();
+    }
+
+    /// The bus came back: silence is counted from here.
+    pub(super) fn on_repaired(&mut self) {
+        self.guard.hear(self.vectors.now);
+    }
+
+    pub(super) fn on_hyperperiod(&mut self) {
+        let pilot = &mut Unshared(&mut self.pilot);
+        control::hyperperiod(&mut self.vectors, pilot, &mut Unshared(&mut self.motors));
+        self.dispatch(0);
+    }
+
+    pub(super) fn on_timer(&mut self) {
+        let pilot = &mut Unshared(&mut self.pilot);
+        let motors = &mut Unshared(&mut self.motors);
+        let guard = &mut Unshared(&mut self.guard);
+        let next = control::failsafe(&mut self.vectors, pilot, motors, guard);
+        self.agenda.set(Event::Timer, nanos(next));
+        self.dispatch(0);
+    }
+
+    /// Stamps an interrupt of the accelerometer and asks for its sample.
+    pub(super) fn on_accel_line(&mut self) {
+        if let Some(at_ns) = self.accel.hear(self.now_ns) {
+            self.ask_for_sample(Input::ChipAccel, at_ns);
+        }
+        self.watch_chips();
+    }
+
+    /// As the accelerometer's.
+    pub(super) fn on_mag_line(&mut self) {
+        if let Some(at_ns) = self.mag.hear(self.now_ns) {
+            self.ask_for_sample(Input::ChipMag, at_ns);
+        }
+        self.watch_chips();
+    }
+
+    fn ask_for_sample(&mut self, input: Input, at_ns: u64) {
+        self.fetches.ask(input, clock(at_ns.max(BOOT_NS)));
+        self.vectors.chips = true;
+        self.dispatch(0);
+    }
+
+    /// The owner of the chips brings what it did, and begins the next piece of work.
+    pub(super) fn on_chips(&mut self) {
+        let pilot = &mut Unshared(&mut self.pilot);
+        let failed = self
+            .done
+            .take()
+            .is_some_and(|done| done.report(&mut self.vectors, pilot).is_err());
+        let raised_again = std::mem::take(&mut self.raised_again);
+        if !failed || raised_again {
+            self.spi_time.set_ns(self.now_ns + CHIPS_STEP_NS);
+            let work = Work::next(&mut Unshared(&mut self.fetches), pilot);
+            self.done = work.map(|work| work.carry_out(&mut self.chips));
+        }
+        if self.done.is_some() {
+            self.agenda.set(Event::Chips, self.spi_time.now_ns());
+        }
+        self.watch_chips();
+        self.dispatch(0);
+    }
+
+    /// Takes the frame that came; answers are not sent.
+    pub(super) fn on_frame(&mut self) {
+        self.link.port().receive();
+        let pilot = &mut Unshared(&mut self.pilot);
+        link::receive(&mut self.vectors, &mut Unshared(&mut self.link), pilot);
+        self.dispatch(0);
+        self.receive_next_frame();
+    }
+
+    pub(super) fn receive_next_frame(&mut self) {
+        if let Some(received_ns) = self.link.port().start_next() {
+            self.agenda.set(Event::Frame, received_ns);
+        }
+    }
+
+    /// Fits where a refit is due; the fit is swapped in when it would be done.
+    fn look_for_refit(&mut self) {
+        if self.refit.is_none()
+            && let Some(job) = self.pilot.refit_due(self.vectors.now)
+        {
+            self.refit = Some(job.fit());
+            self.agenda.set(Event::Refit, self.now_ns + REFIT_NS);
+        }
+    }
+
+    /// Swaps a fit in.
+    pub(super) fn on_refit(&mut self) {
+        if let Some(refit) = self.refit.take() {
+            self.pilot.on_refit(self.vectors.now, refit);
+        }
+    }
+
+    /// Notes what the event raised, each as long after it as the firmware takes; a hyperperiod
+    /// `after_ns`.
+    fn dispatch(&mut self, after_ns: u64) {
+        let now_ns = self.now_ns;
+        let raised = self.vectors.take();
+        if raised.hyperperiod {
+            self.agenda.pend(Event::Hyperperiod, now_ns + after_ns);
+        }
+        if let Some(at) = raised.hyperperiod_at {
+            self.agenda.pend(Event::LateHyperperiod, nanos(at));
+        }
+        let ran = std::mem::take(&mut self.motors.written);
+        if raised.chips {
+            self.raised_again |= self.done.is_some();
+            let step_ns = if ran { RUN_NS } else { CHIPS_STEP_NS };
+            self.agenda
+                .pend(Event::Chips, now_ns.max(BOOT_NS) + step_ns);
+        }
+        if raised.repair_imu {
+            self.repair_imu();
+        }
+        if raised.idle {
+            self.look_for_refit();
+        }
+    }
+}

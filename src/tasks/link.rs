@@ -1,0 +1,135 @@
+//! The link: frames from bytes, messages to the autopilot, answers and heartbeats back.
+
+use super::{Board, Lock, follow};
+use crate::app::{Autopilot, Fault, Recorder};
+use crate::config::MOTORS;
+use crate::graph::ControlLogic;
+use crate::link::{ARM_DISARM, Answer, Incoming, LinkCounters, Message, Parser, Sender, Status};
+use crate::safety::Arming;
+use crate::time::{Duration, Instant, micros};
+
+/// Between two heartbeats.
+pub const BEAT: Duration = micros(1_000_000);
+
+/// Bytes taken from the port at once: a setpoint's frame and its like.
+const CHUNK: usize = 64;
+
+/// Bytes were lost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Overrun;
+
+/// The port that a link uses.
+pub trait Port {
+    /// Copies what came since the last call into `into`, and says how many bytes that was. What
+    /// does not fit stays for the next call.
+    ///
+    /// # Errors
+    /// Bytes were lost; those that wait are dropped.
+    fn take(&mut self, into: &mut [u8]) -> Result<usize, Overrun>;
+
+    /// Queues a frame; one that does not fit any more is dropped whole.
+    ///
+    /// # Errors
+    /// The frame was dropped: the line is slower than what is to be said.
+    fn send(&mut self, frame: &[u8]) -> Result<(), Overrun>;
+}
+
+/// Port, parser and sender of one peer.
+pub struct Link<P> {
+    port: P,
+    parser: Parser,
+    sender: Sender,
+    /// What was returned for the log last.
+    logged: LinkCounters,
+}
+
+impl<P: Port> Link<P> {
+    /// A link over a started port.
+    pub fn new(port: P) -> Self {
+        Self {
+            port,
+            parser: Parser::new(),
+            sender: Sender::new(MOTORS),
+            logged: LinkCounters::default(),
+        }
+    }
+
+    /// The port.
+    pub fn port(&mut self) -> &mut P {
+        &mut self.port
+    }
+
+    /// Takes what came until `at`, hands each message to `deliver` and queues its answers.
+    ///
+    /// A fault where bytes were lost or a frame was spoilt.
+    fn receive(
+        &mut self,
+        at: Instant,
+        mut deliver: impl FnMut(&Message) -> Option<Answer>,
+    ) -> Option<Fault> {
+        let spoilt = self.parser.counters().spoilt();
+        let mut chunk = [0; CHUNK];
+        loop {
+            let Ok(count) = self.port.take(&mut chunk) else {
+                return Some(Fault::LinkOverrun);
+            };
+            if count == 0 {
+                let more = self.parser.counters().spoilt() != spoilt;
+                return more.then_some(Fault::LinkFrame);
+            }
+            for incoming in self.parser.feed(at, chunk.get(..count).unwrap_or_default()) {
+                let (from, command, answer) = match incoming {
+                    Incoming::Message { from, message } => (from, ARM_DISARM, deliver(&message)),
+                    Incoming::Refused {
+                        from,
+                        command,
+                        answer,
+                    } => (from, command, Some(answer)),
+                };
+                if let Some(answer) = answer {
+                    let frame = self.sender.command_ack(from, command, answer);
+                    // No room means a line far too slow: the peer asks again.
+                    let _ = self.port.send(frame.as_bytes());
+                }
+            }
+        }
+    }
+
+    /// Sends a HEARTBEAT; left out where the line is still busy with earlier ones.
+    ///
+    /// Returns what the link counted, where frames were spoilt since it last did: for the log.
+    pub fn beat(&mut self, arming: Arming) -> Option<LinkCounters> {
+        let status = match arming {
+            Arming::Calibrating => Status::Calibrating,
+            Arming::Disarmed => Status::Standby,
+            Arming::Armed => Status::Active,
+        };
+        let frame = self.sender.heartbeat(arming == Arming::Armed, status);
+        let _ = self.port.send(frame.as_bytes());
+        let counters = self.parser.counters();
+        let news = counters.spoilt() != self.logged.spoilt();
+        news.then(|| {
+            self.logged = counters;
+            counters
+        })
+    }
+}
+
+/// Takes what the link brought; messages go to the autopilot, answers back to the peer.
+pub fn receive<P: Port, R: Recorder, L: ControlLogic>(
+    board: &mut impl Board,
+    link: &mut impl Lock<Target = Link<P>>,
+    pilot: &mut impl Lock<Target = Autopilot<R, L>>,
+) {
+    let fault = link.lock(|link| {
+        let at = board.now();
+        link.receive(at, |message| {
+            let (next, answer) = pilot.lock(|pilot| pilot.on_message(board.now(), message));
+            follow(board, next);
+            answer
+        })
+    });
+    if let Some(fault) = fault {
+        pilot.lock(|pilot| pilot.on_fault(board.now(), fault));
+    }
+}
