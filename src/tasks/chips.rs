@@ -82,7 +82,7 @@ impl Fetches {
     }
 
     /// Takes the next one: which input, and the stamp.
-    pub fn next(&mut self) -> Option<(Input, Instant)> {
+    pub fn take(&mut self) -> Option<(Input, Instant)> {
         let mut places = Input::ALL.into_iter().zip(&mut self.0);
         places.find_map(|(input, place)| Some((input, place.take()?)))
     }
@@ -112,7 +112,7 @@ impl Work {
         fetches: &mut impl Lock<Target = Fetches>,
         pilot: &mut impl Lock<Target = Autopilot<R, L>>,
     ) -> Option<Self> {
-        if let Some((input, at)) = fetches.lock(Fetches::next) {
+        if let Some((input, at)) = fetches.lock(Fetches::take) {
             return Some(Self::Fetch(input, at));
         }
         pilot.lock(Autopilot::next_order).map(Self::Order)

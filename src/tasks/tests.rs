@@ -114,8 +114,8 @@ fn a_second_interrupt_before_the_fetch_takes_the_place_of_the_first() {
     let mut fetches = Fetches::default();
     fetches.ask(Input::ChipMag, at_micros(7));
     fetches.ask(Input::ChipMag, at_micros(9));
-    assert_eq!(fetches.next(), Some((Input::ChipMag, at_micros(9))));
-    assert_eq!(fetches.next(), None);
+    assert_eq!(fetches.take(), Some((Input::ChipMag, at_micros(9))));
+    assert_eq!(fetches.take(), None);
 }
 
 #[test]

@@ -18,8 +18,9 @@ use reflex::reactive::{Fit, Logistic, Phase, Refit};
 use reflex::sensors::{Cause, Input};
 use reflex::settings::{Settings, WarmUp};
 use reflex::tasks::chips::Chips;
+use reflex::tasks::imu::Imu;
 use reflex::tasks::lsm303agr::Lsm303agr;
-use reflex::tasks::mpu6050::reading;
+use reflex::tasks::mpu6050::Sensor;
 use reflex::time::{at_micros, micros};
 use reflex::units::{MagneticField, SpecificForce, Thrust};
 use reflex_drivers::lsm303agr::{AccelFullScale, AccelThreshold, MagThreshold};
@@ -169,7 +170,7 @@ impl Flight {
 
     /// A sample of a drone at rest that turns about roll, in counts.
     fn turn(&mut self, rate: i16) -> Next {
-        let reading = reading(&burst(rate)).expect("data ready");
+        let reading = Sensor::reading(&burst(rate)).expect("data ready");
         self.autopilot.on_imu(at_micros(self.now), &reading)
     }
 
