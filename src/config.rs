@@ -4,7 +4,9 @@
 //! one line that names file, line, key and range. On the host `describe` shows what holds.
 
 use crate::sensors::{Input, Inputs};
-use crate::settings::{Feedback, MotorProtocol, Pairs, Policy, Reference, Settings, WarmUp};
+use crate::settings::{
+    Feedback, Limits, MotorProtocol, Pairs, Policy, Reference, Settings, WarmUp,
+};
 use crate::time::{Duration, micros};
 
 /// What one sensor may ask for, from `config/reactive.toml`.
@@ -62,6 +64,13 @@ const fn derived_input(changes: Changes) -> SensorInput {
         changes,
     }
 }
+
+/// What limits settings beyond their ranges.
+pub const LIMITS: Limits = Limits {
+    hyperperiod: HYPERPERIOD,
+    longest_warm_up: LONGEST_WARM_UP,
+    imu_rate_hz: IMU_RATE,
+};
 
 /// The configuration that was built in, one constant and its meaning per line.
 #[cfg(not(target_os = "none"))]

@@ -44,7 +44,7 @@ impl Airframe {
         let count = self.motors.len();
         if !(4..=8).contains(&count) {
             let message = format!("{count} motors are out of range, must be 4 to 8");
-            return Err(document.error_at(&["motors"], message));
+            return Err(document.error_at("motors", message));
         }
         let clockwise = self
             .motors
@@ -53,9 +53,9 @@ impl Airframe {
             .count();
         if clockwise * 2 != count {
             let message = format!("{clockwise} of {count} spin cw, must be half of them");
-            return Err(document.error_at(&["motors"], message));
+            return Err(document.error_at("motors", message));
         }
-        allocation::check(&self.motors).map_err(|message| document.error_at(&["motors"], message))
+        allocation::check(&self.motors).map_err(|message| document.error_at("motors", message))
     }
 
     /// What each motor must do for a torque, of an airframe that was read from a file.

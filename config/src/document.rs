@@ -1,12 +1,15 @@
 //! One TOML file: its text, and the way from a place in it to line and key.
 
+use std::marker::PhantomData;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use serde::de::DeserializeOwned;
+use reflex_settings::Limits;
+use serde::de::{DeserializeOwned, DeserializeSeed};
 use toml::de::{DeTable, DeValue};
 
 use crate::ConfigError;
+use crate::values::{File, Schema, Values};
 
 /// A file that was read.
 pub(crate) struct Document {
@@ -27,7 +30,18 @@ impl Document {
 
     /// The typed content; unknown keys, wrong types and values out of range are errors.
     pub(crate) fn parse<T: DeserializeOwned>(&self) -> Result<T, ConfigError> {
-        toml::from_str(&self.text).map_err(|error| {
+        self.seeded(PhantomData)
+    }
+
+    /// The declared content; errors as those of [`Self::parse`].
+    pub(crate) fn values(&self, schema: &Schema) -> Result<Values, ConfigError> {
+        self.seeded(File(schema))
+    }
+
+    fn seeded<'d, S: DeserializeSeed<'d>>(&'d self, seed: S) -> Result<S::Value, ConfigError> {
+        let content = toml::Deserializer::parse(&self.text);
+        let content = content.and_then(|content| seed.deserialize(content));
+        content.map_err(|error| {
             let span = error.span();
             let key = span.as_ref().and_then(|span| self.key_at(span));
             let message = error.message().replace('\n', " ");
@@ -39,17 +53,26 @@ impl Document {
         })
     }
 
+    /// Refuses the first value that passes a limit set by another one.
+    pub(crate) fn check(&self, values: &Values, limits: &Limits) -> Result<(), ConfigError> {
+        values.0.iter().try_for_each(|(path, setting, value)| {
+            let checked = setting.check(*value, Some(limits));
+            checked.map_err(|refusal| self.error_at(path, refusal.to_string()))
+        })
+    }
+
     /// An error of one key, for what only several values together can show.
     ///
     /// Numbers in `path` are places in a list, from 0.
-    pub(crate) fn error_at(&self, path: &[&str], message: impl Into<String>) -> ConfigError {
+    pub(crate) fn error_at(&self, path: &str, message: impl Into<String>) -> ConfigError {
+        let keys: Vec<&str> = path.split('.').collect();
         let line = DeTable::parse(&self.text).ok().and_then(|table| {
-            find(&DeValue::Table(table.into_inner()), path).map(|at| self.line_at(at))
+            find(&DeValue::Table(table.into_inner()), &keys).map(|at| self.line_at(at))
         });
         ConfigError {
             file: self.file.clone(),
             line,
-            message: format!("{}: {}", path.join("."), message.into()),
+            message: format!("{path}: {}", message.into()),
         }
     }
 

@@ -11,27 +11,23 @@ mod board;
 mod document;
 mod environment;
 mod error;
-mod fallback;
 mod logic;
 mod range;
 mod reactive;
 mod rust;
+mod values;
 mod vehicle;
 
 use std::path::{Path, PathBuf};
 
+use reflex_settings::{Range, Settings, within};
 use serde::Deserialize;
 
 pub use airframe::{Airframe, Motor, Spin};
 pub use allocation::Allocation;
-pub use board::{Board, Calibration, Filters, Link, MotorProtocol, Motors, Sensors};
 pub use error::ConfigError;
-pub use fallback::Fallback;
 pub use logic::Logic;
-pub use reactive::{
-    DerivedInput, Feedback, Input, Inputs, Learning, Pairs, Policy, Reactive, Reference, Runs,
-    Setpoint, WarmUp, WarmUpLength,
-};
+pub use values::Values;
 
 pub mod plant {
     //! What is simulated: drones as bodies, and where they fly.
@@ -41,6 +37,7 @@ pub mod plant {
 }
 
 use document::Document;
+use reactive::Files;
 
 /// Which product is built: the content of `selection.toml`.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
@@ -59,16 +56,33 @@ pub struct Selection {
 pub struct Configuration {
     /// Which product is built.
     pub selection: Selection,
-    /// When control runs.
-    pub reactive: Reactive,
+    /// What may be chosen at each start.
+    pub settings: Settings,
+    /// When control runs, and how it learns when to.
+    pub reactive: Values,
     /// What may vary on the board's wiring.
-    pub board: Board,
+    pub board: Values,
     /// Where the motors are.
     pub airframe: Airframe,
     /// How many times as fast attitude and rate loops are as their files say; 1 but for experiments.
     pub bandwidth: f64,
     /// The gains of every control logic, selected or not.
     pub logics: Vec<Logic>,
+}
+
+impl Configuration {
+    /// Least common multiple of the gating inputs' periods, in us.
+    #[must_use]
+    pub fn hyperperiod_us(&self) -> u64 {
+        self.files().hyperperiod_us()
+    }
+
+    fn files(&self) -> Files<'_> {
+        Files {
+            reactive: &self.reactive,
+            board: &self.board,
+        }
+    }
 }
 
 /// Reads and checks the configuration in a folder.
@@ -103,15 +117,14 @@ pub fn load_chosen(
             if overrides {
                 ConfigError::of_file(Path::new(&variable_name), message)
             } else {
-                selecting.error_at(&[key], message)
+                selecting.error_at(key, message)
             }
         })?;
         Document::open(&file)
     };
 
-    let document = selected("board", "boards", &mut selection.board)?;
-    let board: Board = document.parse()?;
-    board.check(&document)?;
+    let board_file = selected("board", "boards", &mut selection.board)?;
+    let board = board_file.values(&board::file())?;
 
     let document = selected("airframe", "airframes", &mut selection.airframe)?;
     let airframe: Airframe = document.parse()?;
@@ -127,11 +140,19 @@ pub fn load_chosen(
     }
 
     let document = Document::open(&dir.join("reactive.toml"))?;
-    let reactive: Reactive = document.parse()?;
-    reactive.check(&document, &board)?;
+    let reactive = document.values(&reactive::file())?;
+    let files = Files {
+        reactive: &reactive,
+        board: &board,
+    };
+    files.check(&document, &board_file)?;
+    let settings = files
+        .settings()
+        .ok_or_else(|| ConfigError::of_file(dir, "a setting has a value of another kind"))?;
 
     Ok(Configuration {
         selection,
+        settings,
         reactive,
         board,
         airframe,
@@ -143,15 +164,18 @@ pub fn load_chosen(
 /// The variable that makes loops faster or slower.
 const BANDWIDTH: &str = "REFLEX_BANDWIDTH";
 
+/// How many times as fast loops may be.
+const BANDWIDTHS: Range = within(0.25, 4.0);
+
 fn bandwidth(text: Option<String>) -> Result<f64, ConfigError> {
     let Some(text) = text.filter(|text| !text.is_empty()) else {
         return Ok(1.0);
     };
     match text.parse() {
-        Ok(bandwidth) if (0.25..=4.0).contains(&bandwidth) => Ok(bandwidth),
+        Ok(bandwidth) if BANDWIDTHS.contains(bandwidth) => Ok(bandwidth),
         _ => Err(ConfigError::of_file(
             Path::new(BANDWIDTH),
-            format!("{text} is out of range, must be 0.25 to 4"),
+            format!("{text} is out of range, must be {BANDWIDTHS}"),
         )),
     }
 }

@@ -195,12 +195,10 @@ impl Vehicle {
         let motors = airframe.motors.len();
         for (place, number) in self.rotors.lower.iter().enumerate() {
             if !(1..=motors).contains(number) {
-                let place = place.to_string();
                 let message = format!("{number} is out of range, must be 1 to {motors}");
-                return Err(document.error_at(&["rotors", "lower", &place], message));
+                return Err(document.error_at(&format!("rotors.lower.{place}"), message));
             }
         }
-        let path = ["battery", "open_circuit"];
         let points = &self.battery.open_circuit;
         let rising = points.is_sorted_by(|a, b| a[0] < b[0]);
         let inside = points
@@ -208,7 +206,7 @@ impl Vehicle {
             .all(|[charge, volts]| (0.0..=1.0).contains(charge) && (1.0..=5.0).contains(volts));
         if points.is_empty() || points.len() > 64 || !rising || !inside {
             let message = "must be 1 to 64 pairs of a rising charge, 0 to 1, and 1 to 5 V";
-            return Err(document.error_at(&path, message));
+            return Err(document.error_at("battery.open_circuit", message));
         }
         Ok(())
     }

@@ -58,24 +58,24 @@ reactive.toml | p_run = 0.6 |  | missing field `p_run`
 reactive.toml | gates = true | gates = 1 | inputs.gyro.gates: invalid type
 reactive.toml | p_run = 0.6 | p_run = | string values must be quoted
 logics/cascade.toml | [6.0, 6.0, 3.0] | [6.0, 6.0] | attitude.p: invalid length
-logics/cascade.toml | [6.0, 6.0, 3.0] | [6.0, "much", 3.0] | attitude.p: invalid type
+logics/cascade.toml | [6.0, 6.0, 3.0] | [6.0, "much", 3.0] | attitude.p.1: invalid type
 logics/cascade.toml | d_cutoff_hz = 20 | d_cutoff_hz = [20] | rate.d_cutoff_hz: invalid type
-logics/cascade.toml | d_cutoff_hz = 20 | cutoff = 20 | rate.cutoff: unknown key, must be one of: p, i, d, d_cutoff_hz
-logics/cascade.toml | d_cutoff_hz = 20 |  | rate: missing key `d_cutoff_hz`
-logics/cascade.toml | [attitude] | [altitude] | altitude: unknown section, must be one of: estimate, attitude, rate
-logics/cascade.toml | [estimate] | [[estimate]] | estimate: invalid type
+logics/cascade.toml | d_cutoff_hz = 20 | cutoff = 20 | rate.cutoff: unknown field `cutoff`, expected one of p, i, d, d_cutoff_hz
+logics/cascade.toml | d_cutoff_hz = 20 |  | rate: missing field `d_cutoff_hz`
+logics/cascade.toml | [attitude] | [altitude] | altitude: unknown field `altitude`, expected one of estimate, attitude, rate
+logics/cascade.toml | [estimate] | [[estimate]] | estimate.0: invalid type
 logics/cascade.toml | d_cutoff_hz = 20 | d_cutoff_hz = | string values must be quoted
 airframes/quad_x.toml | spin = "cw" | spin = "left" | motors.2.spin: unknown variant
 "#;
 
 /// file | text in it | its replacement | what is said
 const UNFIT: &str = r#"
-reactive.toml | longest_s = 30 | longest_s = 2 | warm_up.shortest_s: must be 0 to longest_s
+reactive.toml | longest_s = 30 | longest_s = 2 | warm_up.shortest_s: 3 is out of range, must be 0 to longest_s, 2 s
 reactive.toml | smallest_change = 0.005 | smallest_change = 4 | inputs.gyro.smallest_change: must be below
 airframes/quad_x.toml | spin = "cw" | spin = "ccw" | motors: 1 of 4 spin cw, must be half
 airframes/quad_x.toml | angle_deg = 315 | angle_deg = 300 | motors: equal thrust would roll: the mean lever is 0.04 of an arm
 airframes/quad_x.toml | angle_deg = 315 | angle_deg = 45 | motors: equal thrust would roll: the mean lever is 0.35 of an arm
-boards/reflex_f427.toml | imu_rate_hz = 1000 | imu_rate_hz = 125 | filters.gyro_cutoff_hz: must be 5 to
+boards/reflex_f427.toml | imu_rate_hz = 1000 | imu_rate_hz = 125 | filters.gyro_cutoff_hz: 80 is out of range, must be 5 to 0.45 times imu_rate_hz, 56.25 Hz
 selection.toml | airframe = "quad_x" | airframe = "hexa" | airframe: airframes/hexa.toml does not exist, must be one of: hexa_x, quad_x
 selection.toml | airframe = "quad_x" | airframe = "../boards/reflex_f427" | airframe: airframes
 "#;
@@ -147,10 +147,7 @@ fn line_of(file: &str, text: &str) -> usize {
 #[test]
 fn the_shipped_configuration_is_valid() {
     let configuration = load(shipped()).unwrap();
-    assert_eq!(
-        configuration.reactive.hyperperiod_us(&configuration.board),
-        1000
-    );
+    assert_eq!(configuration.hyperperiod_us(), 1000);
     assert_eq!(configuration.airframe.motors.len(), 4);
 }
 
@@ -223,10 +220,7 @@ fn a_gate_is_needed_and_sets_the_hyperperiod() {
     )
     .unwrap();
     let configuration = load(&copied.0).unwrap();
-    assert_eq!(
-        configuration.reactive.hyperperiod_us(&configuration.board),
-        10_000
-    );
+    assert_eq!(configuration.hyperperiod_us(), 10_000);
 }
 
 #[test]

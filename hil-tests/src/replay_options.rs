@@ -30,7 +30,7 @@ impl Default for ReplayOptions {
     fn default() -> Self {
         Self {
             log: None,
-            settings: Settings::default(),
+            settings: reflex::config::SETTINGS,
             logic: LogicName::configured(),
             duration_s: None,
             rotate: Rotate::Auto,

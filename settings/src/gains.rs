@@ -3,29 +3,7 @@
 //! A gain is declared once, in the order of the file. From its line come the check of
 //! `config/logics/NAME.toml`, the field of the struct, and its place in a list of numbers.
 
-use crate::Range;
-
-/// One gain: where it stands, what it may be and what it means.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gain {
-    /// Section of its file.
-    pub section: &'static str,
-    /// Key in the section.
-    pub key: &'static str,
-    /// One number, or three: roll, pitch, yaw.
-    pub default: &'static [f64],
-    /// Holds for each axis.
-    pub range: Range,
-    /// Its unit.
-    pub unit: &'static str,
-    /// What it does, in words that end without a full stop.
-    pub meaning: &'static str,
-    /// The power of the loops' bandwidth that it grows with; 0 for what is no gain of them.
-    ///
-    /// Loops that are to be twice as fast ask for twice the rate per error, twice the torque per
-    /// rate, and four times the torque per angle.
-    pub growth: u32,
-}
+use crate::{Range, Setting};
 
 /// The gains of one control logic, as its file has them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,16 +11,18 @@ pub struct LogicGains {
     /// Name of its file, without `.toml`.
     pub logic: &'static str,
     /// In the order of the file.
-    pub gains: &'static [Gain],
+    pub gains: &'static [Setting],
 }
 
 /// A gain that leaves its range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutOfRange {
     /// Which.
-    pub gain: &'static Gain,
+    pub gain: &'static Setting,
     /// The number that it would be.
     pub number: f64,
+    /// What it may be.
+    pub range: Range,
 }
 
 impl LogicGains {
@@ -60,22 +40,28 @@ impl LogicGains {
         let axes = self
             .gains
             .iter()
-            .flat_map(|gain| gain.default.iter().map(move |_| gain));
+            .flat_map(|gain| core::iter::repeat_n(gain, gain.kind.numbers()));
         for (gain, number) in axes.zip(numbers).filter(|(gain, _)| gain.growth != 0) {
             *number *= (0..gain.growth).fold(1.0, |power, _| power * bandwidth);
-            if !gain.range.contains(*number) {
+            if let Some(range) = gain.kind.range()
+                && !range.contains(*number)
+            {
                 let number = *number;
-                return Err(OutOfRange { gain, number });
+                return Err(OutOfRange {
+                    gain,
+                    number,
+                    range,
+                });
             }
         }
         Ok(())
     }
 }
 
-const fn words(gains: &[Gain]) -> usize {
+const fn words(gains: &[Setting]) -> usize {
     let (mut sum, mut left) = (0, gains);
     while let [gain, rest @ ..] = left {
-        sum += gain.default.len();
+        sum += gain.kind.numbers();
         left = rest;
     }
     sum
@@ -106,11 +92,11 @@ macro_rules! shape {
     (numbers axes $value:expr) => {
         $value.as_slice()
     };
-    (default number $value:expr) => {
-        &[$value]
+    (kind number $range:expr) => {
+        $crate::Kind::Number($range)
     };
-    (default axes $value:expr) => {
-        &$value
+    (kind axes $range:expr) => {
+        $crate::Kind::Axes($range)
     };
     (next number $words:ident) => {
         next(&mut $words, 0.0)
@@ -127,7 +113,7 @@ macro_rules! shape {
 /// Declares the gains of a control logic, section by section.
 ///
 /// A line is `KEY: SHAPE = DEFAULT, RANGE, UNIT, MEANING;`, where the shape is `number` or `axes`,
-/// and `grows POWER` may follow: see [`Gain::growth`].
+/// and `grows POWER` may follow: see [`Setting::growth`].
 macro_rules! gains {
     ($logic:literal; $(
         $(#[$doc:meta])*
@@ -154,15 +140,14 @@ macro_rules! gains {
         /// What the file may say.
         pub const DECLARED: LogicGains = LogicGains {
             logic: $logic,
-            gains: &[$($(Gain {
-                section: stringify!($section),
-                key: stringify!($key),
-                default: shape!(default $shape $default),
-                range: $range,
-                unit: $unit,
-                meaning: $meaning,
-                growth: 0 $(+ $growth)?,
-            },)*)*],
+            gains: &[$($(Setting::of(
+                [stringify!($section), stringify!($key)],
+                shape!(kind $shape $range),
+                $unit,
+            )
+            .default(stringify!($default))
+            .meaning($meaning)
+            .grows(0 $(+ $growth)?),)*)*],
         };
 
         impl Gains {
@@ -193,10 +178,9 @@ macro_rules! gains {
 
         impl Default for Gains {
             fn default() -> Self {
-                let mut words = [0.0; Self::WORDS];
-                let defaults = DECLARED.gains.iter().flat_map(|gain| gain.default);
-                words.iter_mut().zip(defaults).for_each(|(word, number)| *word = *number as f32);
-                Self::from_words(&words)
+                Self {
+                    $($section: $Section { $($key: $default,)* },)*
+                }
             }
         }
     };
@@ -231,11 +215,8 @@ mod tests {
     #[test]
     fn every_default_is_in_its_range() {
         for gain in LOGICS.iter().flat_map(|logic| logic.gains) {
-            let numbers = gain.default.iter();
-            assert!(
-                numbers.clone().all(|&number| gain.range.contains(number)),
-                "{gain:?}"
-            );
+            let value = gain.parse(gain.default).expect(gain.default);
+            assert_eq!(gain.check(value, None), Ok(()), "{}", gain.path());
         }
     }
 
@@ -246,7 +227,7 @@ mod tests {
             gains
                 .iter()
                 .take_while(|it| (it.section, it.key) != ("rate", key))
-                .map(|it| it.default.len())
+                .map(|it| it.kind.numbers())
                 .sum::<usize>()
         });
         let mut numbers = [1e-3; cascade::Gains::WORDS];

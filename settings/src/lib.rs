@@ -1,15 +1,35 @@
 //! What can be set or chosen: declared once for the build, the firmware and the host.
-#![no_std]
+//!
+//! - [`Setting`]: name, place in TOML, kind and range, unit, meaning, option of one value
+//! - [`declare!`]: a struct of settings, fields and declarations in one place
+//! - [`Settings`]: what may be chosen at each start; [`BLOCK_LENGTH`] bytes carry it
+//! - [`REACTIVE`], [`INPUT`], [`BOARD`]: what is fixed by a build
+#![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
+mod block;
+mod board;
+pub mod bytes;
 mod choices;
+mod declare;
 pub mod gains;
 mod inputs;
 mod logics;
 mod range;
+mod reactive;
+mod setting;
+mod settings;
+mod text;
 mod time;
 
-pub use choices::{Feedback, MotorProtocol, Pairs, Policy, Reference, WarmUp};
+pub use block::{BLOCK_LENGTH, BlockError};
+pub use board::BOARD;
+pub use choices::{Choice, Choices, Feedback, MotorProtocol, Pairs, Policy, Reference};
+pub use declare::{Declared, Field};
 pub use inputs::{Declaration, Input, Inputs, Source, Unit};
 pub use range::{Range, above, between, from_below, one_of, within};
+pub use reactive::{INPUT, REACTIVE, of_input};
+pub use setting::{Kind, Limit, Limits, OutOfRange, Path, Setting, Value, Written};
+pub use settings::{Settings, WarmUp};
+pub use text::Unreadable;
 pub use time::{Duration, micros};

@@ -64,8 +64,23 @@ const fn interval(low: f64, low_excluded: bool, high: f64, high_excluded: bool) 
 
 impl Range {
     /// True for a number of the range.
+    ///
+    /// Numbers are compared in single precision, the one that the firmware stores them in: so
+    /// an end belongs to the range whatever its digits, and what is rounded to an excluded end
+    /// does not.
     #[must_use]
     pub fn contains(&self, number: f64) -> bool {
+        self.holds(f64::from(number as f32), |end| f64::from(end as f32))
+    }
+
+    /// As [`Self::contains`] for whole numbers, which single precision does not tell apart.
+    #[must_use]
+    pub fn contains_count(&self, number: f64) -> bool {
+        self.holds(number, |end| end)
+    }
+
+    #[inline(never)] // In double precision, which the processor calculates in software.
+    fn holds(&self, number: f64, rounded: fn(f64) -> f64) -> bool {
         match *self {
             Self::Interval {
                 low,
@@ -73,11 +88,25 @@ impl Range {
                 high,
                 high_excluded,
             } => {
+                let (low, high) = (rounded(low), rounded(high));
                 (low..=high).contains(&number)
                     && !(low_excluded && number == low)
                     && !(high_excluded && number == high)
             }
             Self::OneOf(numbers) => numbers.contains(&number),
+        }
+    }
+
+    /// The lowest number and the highest.
+    #[must_use]
+    pub fn ends(&self) -> (f64, f64) {
+        match *self {
+            Self::Interval { low, high, .. } => (low, high),
+            Self::OneOf(numbers) => numbers
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), number| {
+                    (low.min(*number), high.max(*number))
+                }),
         }
     }
 }
@@ -106,10 +135,7 @@ impl fmt::Display for Range {
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
-
     use super::*;
-    use std::string::ToString;
 
     #[test]
     fn excluded_ends_and_what_is_no_number_are_outside() {

@@ -284,7 +284,8 @@ fn a_gyroscope_lost_on_the_ground_is_calibrated_anew_and_from_the_start() {
 #[test]
 fn periodic_control_runs_at_its_period_and_learns_nothing() {
     let mut bench = Bench::armed(Settings {
-        policy: Policy::Periodic(micros(10_000)),
+        policy: Policy::Periodic,
+        period: micros(10_000),
         ..SETTINGS
     });
     bench.milliseconds(20, gusty);

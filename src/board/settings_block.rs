@@ -5,6 +5,7 @@
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 
+use reflex::config::{LIMITS, SETTINGS};
 use reflex::settings::{BLOCK_LENGTH, BlockError, Settings};
 
 #[repr(transparent)]
@@ -24,18 +25,18 @@ pub fn read() -> Settings {
     // SAFETY: aligned, in bounds, and any bytes are a valid array; volatile, because it was
     // written from outside the program.
     let bytes = unsafe { core::ptr::read_volatile(BLOCK.0.get().cast::<[u8; BLOCK_LENGTH]>()) };
-    match Settings::from_bytes(&bytes) {
+    match Settings::from_bytes(&bytes, &LIMITS) {
         Ok(settings) => {
             defmt::info!("settings: block {}", settings);
             settings
         }
         Err(BlockError::Absent) => {
-            defmt::info!("settings: defaults {}", Settings::default());
-            Settings::default()
+            defmt::info!("settings: defaults {}", SETTINGS);
+            SETTINGS
         }
         Err(error) => {
             defmt::warn!("settings: block refused ({}), defaults hold", error);
-            Settings::default()
+            SETTINGS
         }
     }
 }

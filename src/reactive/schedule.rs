@@ -67,7 +67,7 @@ impl Schedule {
             failsafe: settings.failsafe,
             period: match settings.policy {
                 Policy::Reactive => settings.warm_up_period,
-                Policy::Periodic(period) => period,
+                Policy::Periodic => settings.period,
             },
             last_run: Instant::from_ticks(0),
             next_periodic: Instant::from_ticks(0),

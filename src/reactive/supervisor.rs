@@ -89,7 +89,7 @@ impl Phase {
             (_, PhaseEvent::Disarmed) => Self::Ground,
             (Self::Ground, PhaseEvent::Armed) => match policy {
                 Policy::Reactive => Self::WarmUp,
-                Policy::Periodic(_) => Self::Periodic,
+                Policy::Periodic => Self::Periodic,
             },
             (Self::Ground | Self::Periodic, _) => self,
             (Self::Fallback(ImuLost), PhaseEvent::ImuBack) => Self::WarmUp,

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use anyhow::Result;
-use reflex::settings::Settings;
 use serde::Serialize;
 
 use super::comparison::{self, COMPARISONS, Compared, Comparison, Metric, Pair};
@@ -185,7 +184,7 @@ fn crash(landed: &Landed) -> Option<String> {
 
 /// Both sweeps with the value of `config/` among them, in the order of values.
 fn sweeps(plan: &Plan, records: &Records) -> Vec<Swept> {
-    let settings = Settings::default();
+    let settings = reflex::config::SETTINGS;
     let p_runs = plan
         .p_runs
         .iter()

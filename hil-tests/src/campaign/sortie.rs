@@ -4,6 +4,7 @@ use std::fmt;
 
 use anyhow::{Context, Result};
 use clap::ValueEnum;
+use reflex::config::{LIMITS, SETTINGS};
 use reflex::sensors::{Input, Inputs};
 use reflex::settings::{Policy, Settings};
 use reflex::time::micros;
@@ -113,10 +114,13 @@ impl Job {
     pub fn options(&self) -> Result<FlyOptions> {
         let sortie = &self.sortie;
         let mut settings = Settings {
-            policy: self.policy(),
             seed: sortie.seed,
-            ..Settings::default()
+            ..SETTINGS
         };
+        if let Some(period) = self.period_us {
+            settings.policy = Policy::Periodic;
+            settings.period = micros(period);
+        }
         match sortie.role {
             Role::Unforeseen => {
                 settings.triggers = Inputs::OF_IMU.without(Input::Command);
@@ -131,7 +135,7 @@ impl Job {
         };
         let logic = LogicName::from_str(logic, false).ok();
         settings
-            .validate()
+            .check(&LIMITS)
             .map_err(|error| anyhow::anyhow!("{sortie}: {error}"))?;
         let (mission, scored_from_s, stress) = match sortie.role {
             Role::Margin(_, _, strain) => (Mission::Hover, HOVERS_FROM_S, strain.stress()),
@@ -148,11 +152,6 @@ impl Job {
             scored_from_s: Some(f64::from(scored_from_s)),
             stress,
         })
-    }
-
-    fn policy(&self) -> Policy {
-        self.period_us
-            .map_or(Policy::Reactive, |period| Policy::Periodic(micros(period)))
     }
 }
 
@@ -178,13 +177,18 @@ mod tests {
         assert_eq!(settings(Role::PRun(300), None).p_run, 0.3);
         assert_eq!(settings(Role::Failsafe(50), None).failsafe, micros(50_000));
         assert_eq!(settings(Role::Reactive, None).seed, 7);
-        let clock = settings(Role::Periodic(400), Some(2500)).policy;
-        assert_eq!(clock, Policy::Periodic(micros(2500)));
+        let clock = settings(Role::Periodic(400), Some(2500));
+        assert_eq!(
+            (clock.policy, clock.period),
+            (Policy::Periodic, micros(2500))
+        );
         let cheaper = settings(Role::Unforeseen, None).triggers;
         assert!(cheaper.contains(Input::Turned) && !cheaper.contains(Input::Command));
         let error = job(Role::Failsafe(1), None).options().unwrap_err();
         assert!(
-            error.to_string().contains("failsafe must be longer"),
+            error
+                .to_string()
+                .contains("0.001 is out of range, must be above 2 hyperperiods"),
             "{error}"
         );
     }

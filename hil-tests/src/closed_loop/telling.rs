@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use reflex::config::{AIRFRAME, BANDWIDTH};
-use reflex::settings::Policy;
+use reflex::settings::{Policy, Settings};
 
 use super::flight::{Flight, Scored};
 use super::report::{AxisErrors, Control, CrashReport, FlightReport};
@@ -51,10 +51,8 @@ impl Flight<'_> {
             Flyer::Native => ("native", 168),
             Flyer::Emulated(_, mhz) => ("emulated", mhz),
         };
-        let (policy, rate_hz) = match options.settings.policy {
-            Policy::Reactive => ("reactive", None),
-            Policy::Periodic(period) => ("periodic", Some(1e6 / period.ticks() as f64)),
-        };
+        let Settings { policy, period, .. } = options.settings;
+        let rate_hz = (policy == Policy::Periodic).then(|| 1e6 / period.ticks() as f64);
         Ok(FlightReport {
             environment: scene.environment_name.clone(),
             airframe: AIRFRAME.to_owned(),
@@ -62,7 +60,7 @@ impl Flight<'_> {
             logic: options.logic.word().to_owned(),
             mission: options.mission.name().to_owned(),
             tier: tier.to_owned(),
-            policy: policy.to_owned(),
+            policy: policy.word().to_owned(),
             rate_hz,
             clock_mhz,
             seed: options.settings.seed,

@@ -5,7 +5,7 @@ use crate::firmware::Firmware;
 use crate::progress::Silent;
 use clap::ValueEnum;
 use reflex::settings::Policy;
-use reflex::time::micros;
+use reflex::time::{Duration, micros};
 
 /// A short flight of a logic, natively.
 fn flown(environment: &str, options: &FlyOptions) -> FlightReport {
@@ -19,8 +19,10 @@ fn options(logic: LogicName, policy: Policy, seed: u32) -> FlyOptions {
         logic,
         settings: Settings {
             policy,
+            // Of periodic control, where it is chosen.
+            period: BY_THE_CLOCK,
             seed,
-            ..Settings::default()
+            ..reflex::config::SETTINGS
         },
         mission: Mission::Waypoints,
         duration_s: 30.0,
@@ -29,12 +31,12 @@ fn options(logic: LogicName, policy: Policy, seed: u32) -> FlyOptions {
     }
 }
 
-const BY_THE_CLOCK: Policy = Policy::Periodic(micros(2_500));
+const BY_THE_CLOCK: Duration = micros(2_500);
 
 #[test]
 fn every_logic_stays_up_in_wind_with_either_policy() {
     for logic in LogicName::value_variants() {
-        for policy in [Policy::Reactive, BY_THE_CLOCK] {
+        for policy in [Policy::Reactive, Policy::Periodic] {
             let report = flown("arch", &options(*logic, policy, 3));
             assert_eq!(report.crash_line(), None, "{logic:?} {policy:?}");
             let pitch = report.attitude_error_deg.pitch.unwrap();
@@ -46,7 +48,7 @@ fn every_logic_stays_up_in_wind_with_either_policy() {
 
 #[test]
 fn periodic_control_keeps_its_rate_and_reactive_control_spares_runs() {
-    let periodic = flown("lab", &options(LogicName::Cascade, BY_THE_CLOCK, 1));
+    let periodic = flown("lab", &options(LogicName::Cascade, Policy::Periodic, 1));
     let rate_hz = periodic.control.rate_hz.unwrap();
     assert!((rate_hz - 400.0).abs() < 10.0, "{rate_hz}");
     let reactive = flown("lab", &options(LogicName::Cascade, Policy::Reactive, 1));
@@ -66,7 +68,10 @@ fn the_same_seed_flies_the_same_flight_and_another_seed_another() {
     let first = of(5);
     assert_eq!(first, of(5));
     assert_ne!(first.digest, of(6).digest);
-    let periodic = flown("rugby", &options(LogicName::ArduCopter, BY_THE_CLOCK, 5));
+    let periodic = flown(
+        "rugby",
+        &options(LogicName::ArduCopter, Policy::Periodic, 5),
+    );
     assert!(first.scored_from_s == periodic.scored_from_s);
     // Looked at within half a millisecond of the same instants; `world` compares the winds exactly.
     let [here, there] = [&first, &periodic].map(|report| report.wind_m_s.unwrap());
@@ -128,6 +133,7 @@ fn the_firmware_flies_in_closed_loop_and_comes_to_the_hosts_commands_bit_by_bit(
 fn control_at_a_low_rate_has_less_of_a_delay_margin_than_reactive_control() {
     let turning = |policy| {
         let mut options = options(LogicName::OpenPilot, policy, 1);
+        options.settings.period = micros(40_000);
         options.mission = Mission::Hover;
         options.stress = Stress {
             gain: 3.0,
@@ -136,6 +142,6 @@ fn control_at_a_low_rate_has_less_of_a_delay_margin_than_reactive_control() {
         let report = flown("lab", &options);
         report.turning_rad_s.unwrap_or(f64::INFINITY)
     };
-    let [reactive, slow] = [Policy::Reactive, Policy::Periodic(micros(40_000))].map(turning);
+    let [reactive, slow] = [Policy::Reactive, Policy::Periodic].map(turning);
     assert!(reactive < 0.1 && slow > 0.5, "{reactive} {slow}");
 }

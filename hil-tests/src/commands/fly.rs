@@ -226,9 +226,9 @@ mod tests {
             ),
             ("--plant-gain 0", "--plant-gain 0: must be 0.1 to 10"),
             ("--plant-delay 1", "--plant-delay 1: must be 0 to 0.2 s"),
-            ("--rate 100", "only periodic control has a rate"),
+            ("--rate 100", "--rate: reactive control has none"),
             ("--policy periodic --rate 2000", "must be 1 to 1000 Hz"),
-            ("--seed -1", "-1 is not in 0..=4294967295"),
+            ("--seed -1", "must be a whole number, 0 to 4294967295"),
         ] {
             let said = refusal(line);
             assert!(

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use reflex::config;
 use reflex::settings::{Policy, Settings, WarmUp};
 
-use super::quantities::{number, seconds};
+use super::quantities::number;
 use super::settings_arguments::SettingsArguments;
 use super::sweep_arguments::SweepArguments;
 use crate::logics::LogicName;
@@ -117,9 +117,9 @@ impl ReplayArguments {
 
     fn check_sweep(&self, log: Option<&Path>) -> Result<(), Refusal> {
         let single = [
-            (Parameter::PRun, self.settings.p_run.is_some()),
-            (Parameter::Failsafe, self.settings.failsafe.is_some()),
-            (Parameter::Quantum, self.settings.quantum.is_some()),
+            (Parameter::PRun, self.settings.gives("p-run")),
+            (Parameter::Failsafe, self.settings.gives("failsafe")),
+            (Parameter::Quantum, self.settings.gives("quantum")),
         ];
         let by_clock = self.settings.is_by_clock();
         self.sweep.check(log, &single, by_clock)
@@ -136,16 +136,16 @@ impl ReplayArguments {
             )));
         }
         let (warm_up, name) = match (settings.policy, settings.warm_up) {
-            (Policy::Periodic(_), _) => return Ok(()),
+            (Policy::Periodic, _) => return Ok(()),
             (_, WarmUp::Automatic) => {
                 (config::SHORTEST_WARM_UP, "automatic warm-up lasts at least")
             }
             (_, WarmUp::Fixed(warm_up)) => (warm_up, "warm-up lasts"),
         };
-        if length <= seconds(warm_up) {
+        let warm_up_s = warm_up.ticks() as f64 / 1e6;
+        if length <= warm_up_s {
             return Err(Refusal::new(format!(
-                "--duration {length}: nothing would be left to measure, the {name} {} s",
-                seconds(warm_up)
+                "--duration {length}: nothing would be left to measure, the {name} {warm_up_s} s"
             )));
         }
         Ok(())

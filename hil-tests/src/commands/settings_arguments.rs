@@ -1,90 +1,73 @@
 //! Arguments that become the autopilot's settings, the same wherever it flies.
+//!
+//! Each option, its help and its refusals are written from the setting's declaration.
 
-use clap::{Args, ValueEnum};
-use reflex::config;
-use reflex::sensors::Inputs;
-use reflex::settings::{
-    Feedback, MotorProtocol, Pairs, Policy, Reference, Settings, SettingsError, WarmUp,
-};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+use reflex::config::{HYPERPERIOD, LIMITS, SETTINGS};
+use reflex::settings::{Declared, Policy, Settings};
 use reflex::time::Duration;
+use reflex_settings::{Kind, Setting, Value};
 
-use super::quantities::{duration, inputs, number, seconds, share, warm_up};
 use crate::refusal::Refusal;
 
-/// What the autopilot is told. Defaults are those of `config/`.
-#[derive(Clone, Debug, Default, Args)]
-pub(super) struct SettingsArguments {
-    /// When control runs: when a sensor's change calls for it, or time-triggered
-    #[arg(long, value_enum)]
-    policy: Option<PolicyName>,
-    /// Runs per second of the periodic policy, 1 to 1000
-    #[arg(long, value_name = "HZ", value_parser = number, allow_negative_numbers = true)]
-    rate: Option<f64>,
-    /// What a change is measured against
-    #[arg(long, value_enum)]
-    reference: Option<ReferenceName>,
-    /// Inputs that may ask for a run: `all`, or of gyro, accel, chip-accel, chip-mag, turned, command
-    #[arg(long, value_name = "INPUT,...", value_parser = inputs)]
-    triggers: Option<Inputs>,
-    /// Pairs of samples that the warm-up learns from
-    #[arg(long, value_enum)]
-    pairs: Option<PairsName>,
-    /// Runs that reactive control learns from
-    #[arg(long, value_enum)]
-    feedback: Option<FeedbackName>,
-    /// Probability of a changed command that calls for a run, above 0 and below 1
-    #[arg(long, value_name = "P", value_parser = number, allow_negative_numbers = true)]
-    pub(super) p_run: Option<f64>,
-    /// How long control runs at every sample to learn: `auto`, or 0 to 30 s
-    #[arg(long, value_name = "auto|SECONDS", value_parser = warm_up, allow_negative_numbers = true)]
-    warm_up: Option<WarmUp>,
-    /// Runs per second while learning, 10 to 1000
-    #[arg(long, value_name = "HZ", value_parser = number, allow_negative_numbers = true)]
-    warm_up_rate: Option<f64>,
-    /// Longest time between two runs in s, above 0.002 and at most 1
-    #[arg(long, value_name = "SECONDS", value_parser = number, allow_negative_numbers = true)]
-    pub(super) failsafe: Option<f64>,
-    /// Change of a motor command that counts, as a share of full scale: 0.004 or 1/255
-    #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
-    pub(super) quantum: Option<f64>,
-    /// Motor pulses: 125 to 250 us at 2 kHz, or 1000 to 2000 us at 400 Hz
-    #[arg(long, value_enum)]
-    motors: Option<MotorsName>,
-    /// Seed of noise, oscillators and exploration, 0 to 4294967295
-    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
-    seed: Option<u32>,
+/// The settings that are given, by the place of their declaration. Others are those of `config/`.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SettingsArguments(Vec<(usize, Value)>);
+
+impl Args for SettingsArguments {
+    fn augment_args(command: Command) -> Command {
+        Settings::SETTINGS
+            .iter()
+            .filter_map(argument)
+            .fold(command, Command::arg)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum PolicyName {
-    Reactive,
-    Periodic,
+impl FromArgMatches for SettingsArguments {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let settings = Settings::SETTINGS.iter().enumerate();
+        let given = settings.filter_map(|(place, setting)| {
+            let [option, _] = setting.option?;
+            Some((place, *matches.get_one::<Value>(option)?))
+        });
+        Ok(Self(given.collect()))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum ReferenceName {
-    PreviousSample,
-    LastRun,
+fn argument(setting: &'static Setting) -> Option<Arg> {
+    let [option, value] = setting.option?;
+    let argument = Arg::new(option).long(option).help(help(setting));
+    Some(match setting.kind {
+        Kind::Word(choices) => {
+            let words = choices.variants.iter().map(|[_, word]| *word);
+            let words = PossibleValuesParser::new(words);
+            argument.value_parser(words.try_map(|word| setting.parse(&word)))
+        }
+        _ => argument
+            .value_name(value)
+            .allow_negative_numbers(true)
+            .value_parser(|text: &str| setting.parse(text)),
+    })
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum PairsName {
-    FirstCrossings,
-    WeightedLags,
-    Published,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum FeedbackName {
-    Every,
-    Published,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum MotorsName {
-    #[value(name = "oneshot125")]
-    OneShot125,
-    Pwm,
+/// What the help says: the meaning, and what the value may be where clap does not list it.
+fn help(setting: &'static Setting) -> String {
+    let meaning = setting.meaning.trim_end_matches('.');
+    match setting.kind {
+        Kind::Word(_) => meaning.to_owned(),
+        Kind::Inputs => format!("{meaning}: `all`, or {}", setting.range()),
+        _ => format!("{meaning}: {}", setting.range()),
+    }
 }
 
 impl SettingsArguments {
@@ -93,128 +76,84 @@ impl SettingsArguments {
     /// # Errors
     /// The first mix or value that does not, with the option's name and its range.
     pub(super) fn settings(&self) -> Result<Settings, Refusal> {
-        let defaults = Settings::default();
-        let settings = Settings {
-            policy: self.policy()?,
-            reference: self
-                .reference
-                .map_or(defaults.reference, |name| match name {
-                    ReferenceName::PreviousSample => Reference::PreviousSample,
-                    ReferenceName::LastRun => Reference::LastRun,
-                }),
-            p_run: self.p_run.map_or(defaults.p_run, |p_run| p_run as f32),
-            warm_up: self.warm_up.unwrap_or(defaults.warm_up),
-            warm_up_period: self.warm_up_rate.map_or(defaults.warm_up_period, |rate| {
-                duration(1.0 / rate.max(1e-3))
-            }),
-            failsafe: self.failsafe.map_or(defaults.failsafe, duration),
-            quantum: self.quantum.map_or(defaults.quantum, |share| share as f32),
-            motors: self.motors.map_or(defaults.motors, |name| match name {
-                MotorsName::OneShot125 => MotorProtocol::OneShot125,
-                MotorsName::Pwm => MotorProtocol::Pwm,
-            }),
-            triggers: self.triggers.unwrap_or(defaults.triggers),
-            pairs: self.pairs.map_or(defaults.pairs, |name| match name {
-                PairsName::FirstCrossings => Pairs::FirstCrossings,
-                PairsName::WeightedLags => Pairs::WeightedLags,
-                PairsName::Published => Pairs::Published,
-            }),
-            feedback: self.feedback.map_or(defaults.feedback, |name| match name {
-                FeedbackName::Every => Feedback::Every,
-                FeedbackName::Published => Feedback::Published,
-            }),
-            seed: self.seed.unwrap_or(defaults.seed),
-        };
-        settings
-            .validate()
-            .map_err(|error| Refusal::new(format!("{}: {error}", option_of(error))))?;
+        let policy = self.chosen_policy();
+        self.check_policy(policy)?;
+        let settings = self
+            .0
+            .iter()
+            .try_fold(SETTINGS, |settings, (place, value)| {
+                settings.checked(*place, *value, &LIMITS)
+            });
+        let settings = settings.map_err(|refusal| refused(refusal.setting, refusal))?;
         check_period(&settings)?;
         Ok(settings)
     }
 
+    /// Whether an option is given.
+    pub(super) fn gives(&self, option: &str) -> bool {
+        self.0
+            .iter()
+            .any(|(place, _)| named(*place) == Some(option))
+    }
+
     /// Control runs by the clock.
     pub(super) fn is_by_clock(&self) -> bool {
-        self.rate.is_some() || self.chosen_policy() == PolicyName::Periodic
+        self.gives("rate") || self.chosen_policy() == Policy::Periodic
     }
 
-    /// The policy by name, the configured one where none is given.
-    pub(super) fn chosen_policy(&self) -> PolicyName {
-        self.policy.unwrap_or(match Settings::default().policy {
-            Policy::Reactive => PolicyName::Reactive,
-            Policy::Periodic(_) => PolicyName::Periodic,
-        })
+    /// The policy, the configured one where none is given.
+    pub(super) fn chosen_policy(&self) -> Policy {
+        let settings = self.0.iter().fold(SETTINGS, |settings, (place, value)| {
+            settings.with(*place, *value).unwrap_or(settings)
+        });
+        settings.policy
     }
 
-    /// The policy, once no option of the other one is named.
-    fn policy(&self) -> Result<Policy, Refusal> {
-        if self.chosen_policy() == PolicyName::Reactive {
-            return match self.rate {
-                None => Ok(Policy::Reactive),
-                Some(rate) => Err(Refusal::new(format!(
-                    "--rate {rate}: only periodic control has a rate, add --policy periodic"
-                ))),
-            };
-        }
-        for (option, given) in [
-            ("--reference", self.reference.is_some()),
-            ("--triggers", self.triggers.is_some()),
-            ("--pairs", self.pairs.is_some()),
-            ("--feedback", self.feedback.is_some()),
-            ("--p-run", self.p_run.is_some()),
-            ("--warm-up", self.warm_up.is_some()),
-            ("--warm-up-rate", self.warm_up_rate.is_some()),
-        ] {
-            if given {
-                return Err(Refusal::new(format!(
-                    "{option}: periodic control has none, leave it out or use --policy reactive"
-                )));
+    /// Refuses options of the policy that is not chosen.
+    fn check_policy(&self, chosen: Policy) -> Result<(), Refusal> {
+        let given = self
+            .0
+            .iter()
+            .filter_map(|(place, _)| Settings::SETTINGS.get(*place));
+        for setting in given {
+            if let Some(policy) = setting.policy
+                && policy != chosen
+            {
+                let line = format!(
+                    "{} control has none, leave it out or use --policy {}",
+                    chosen.word(),
+                    policy.word()
+                );
+                return Err(refused(setting, line));
             }
         }
-        match self.rate {
-            None => Ok(Policy::Periodic(config::PERIODIC_PERIOD)),
-            Some(rate) if (1.0..=fastest_rate()).contains(&rate) => {
-                Ok(Policy::Periodic(duration(1.0 / rate)))
-            }
-            Some(rate) => Err(Refusal::new(format!(
-                "--rate {rate}: must be 1 to {} Hz",
-                fastest_rate()
-            ))),
-        }
+        Ok(())
     }
 }
 
-/// One run per hyperperiod, in Hz.
-fn fastest_rate() -> f64 {
-    1.0 / seconds(config::HYPERPERIOD)
+fn named(place: usize) -> Option<&'static str> {
+    let [option, _] = Settings::SETTINGS.get(place)?.option?;
+    Some(option)
+}
+
+/// A refusal in the name of a setting's option.
+fn refused(setting: &Setting, line: impl std::fmt::Display) -> Refusal {
+    let [option, _] = setting.option.unwrap_or([setting.name; 2]);
+    Refusal::new(format!("--{option}: {line}"))
 }
 
 fn milliseconds(span: Duration) -> f64 {
     span.ticks() as f64 / 1e3
 }
 
-/// The option that a refused setting came from.
-fn option_of(error: SettingsError) -> &'static str {
-    match error {
-        SettingsError::PRun => "--p-run",
-        SettingsError::Failsafe => "--failsafe",
-        SettingsError::Quantum => "--quantum",
-        SettingsError::Period => "--rate",
-        SettingsError::WarmUp => "--warm-up",
-        SettingsError::WarmUpPeriod => "--warm-up-rate",
-        SettingsError::Triggers => "--triggers",
-    }
-}
-
 /// Periodic control slower than the failsafe would be the failsafe's.
 fn check_period(settings: &Settings) -> Result<(), Refusal> {
-    match settings.policy {
-        Policy::Periodic(period) if period + config::HYPERPERIOD > settings.failsafe => {
-            Err(Refusal::new(format!(
-                "--rate: a run every {} ms leaves the failsafe, every {} ms, no room; raise one of them",
-                milliseconds(period),
-                milliseconds(settings.failsafe)
-            )))
-        }
-        _ => Ok(()),
+    if settings.policy == Policy::Periodic && settings.period + HYPERPERIOD > settings.failsafe {
+        return Err(Refusal::new(format!(
+            "--rate: a run every {} ms leaves the failsafe, every {} ms, no room; raise one of them",
+            milliseconds(settings.period),
+            milliseconds(settings.failsafe)
+        )));
     }
+    Ok(())
 }

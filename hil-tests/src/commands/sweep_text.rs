@@ -1,6 +1,8 @@
 //! The text of `--sweep`: `p-run=0.2..0.9,failsafe=0.01..0.3/5`.
 
-use super::quantities::{number, share};
+use super::quantities::number;
+use reflex_settings::Value;
+
 use crate::sweep::{Axis, Grid, Parameter};
 
 /// Values of a range that names no number of them.
@@ -49,11 +51,11 @@ fn is_fraction(parameter: Parameter, to: &str) -> bool {
 }
 
 fn value(parameter: Parameter, text: &str) -> Result<f64, String> {
-    let value = match parameter {
-        Parameter::Quantum => share(text),
-        Parameter::PRun | Parameter::Failsafe => number(text),
-    };
-    value.map_err(|reason| format!("'{text}' {reason}"))
+    match parameter.setting().1.parse(text) {
+        Ok(Value::Number(number)) => Ok(number),
+        Ok(_) => Err(format!("'{text}' must be a number")),
+        Err(refusal) => Err(format!("'{text}' {refusal}")),
+    }
 }
 
 fn count_of(text: &str) -> Result<usize, String> {
@@ -113,7 +115,7 @@ mod tests {
     #[test]
     fn several_parameters_make_the_full_grid() {
         let grid = grid("p-run=0.2..0.9,failsafe=0.01..0.3/3,quantum=1/255").expect("a grid");
-        let points = grid.settings(reflex::settings::Settings::default());
+        let points = grid.settings(reflex::config::SETTINGS);
         assert_eq!(points.len(), 24);
         assert_eq!(points[0].p_run, points[2].p_run);
         assert!(points[0].failsafe < points[1].failsafe);
@@ -136,8 +138,14 @@ mod tests {
             ("seed=1..9", "`seed` is none of p-run, failsafe, quantum"),
             ("p-run=0.9..0.2", "must ascend, as in p-run=0.2..0.9"),
             ("p-run=0.5..0.5", "is a single value, which is p-run=0.5"),
-            ("p-run=0..0.9", "p_run must lie between 0 and 1"),
-            ("p-run=0.2..1", "p_run must lie between 0 and 1"),
+            (
+                "p-run=0..0.9",
+                "0 is out of range, must be above 0 and below 1",
+            ),
+            (
+                "p-run=0.2..1",
+                "1 is out of range, must be above 0 and below 1",
+            ),
             ("p-run=nan", "must be a finite number"),
             ("p-run=0.2..", "'' must be a finite number"),
             ("p-run=0.2..0.9/1", "must be 2 to 100"),
@@ -145,13 +153,13 @@ mod tests {
             ("p-run=0.2..0.9/", "must be 2 to 100"),
             (
                 "failsafe=0.001..0.3",
-                "failsafe must be longer than two hyperperiods",
+                "0.001 is out of range, must be above 2 hyperperiods",
             ),
             ("failsafe=0.1..2", "at most 1 s"),
             ("failsafe=0.1..0.100001/9", "too close to tell apart"),
             (
                 "quantum=1/255..0.6/4",
-                "quantum must be above 0 and at most half",
+                "0.6 is out of range, must be above 0 and at most 0.5",
             ),
             ("p-run=0.2..0.9,p-run=0.5", "p-run is named twice"),
             ("p-run=0.2..0.9,", "`` must be NAME=A..B"),
@@ -177,8 +185,8 @@ mod tests {
             text in "(p-run|failsafe|quantum|x)=[-0-9./e]{0,8}(\\.\\.[-0-9./e]{0,6})?(/[0-9]{0,3})?(,(p-run|quantum)=0?\\.[0-9]{1,3})?",
         ) {
             if let Ok(grid) = grid(&text) {
-                for settings in grid.settings(reflex::settings::Settings::default()) {
-                    prop_assert!(settings.validate().is_ok(), "{}", text);
+                for settings in grid.settings(reflex::config::SETTINGS) {
+                    prop_assert!(settings.check(&reflex::config::LIMITS).is_ok(), "{}", text);
                 }
             }
         }

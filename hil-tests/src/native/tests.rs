@@ -71,7 +71,7 @@ fn the_same_options_give_the_same_calls_twice() {
     assert_eq!(first, second);
     let settings = Settings {
         seed: 2,
-        ..Settings::default()
+        ..reflex::config::SETTINGS
     };
     let other = ReplayOptions {
         settings,
@@ -97,8 +97,9 @@ fn a_recorded_flight_reaches_reactive_control_and_spares_runs() {
 #[test]
 fn periodic_control_runs_at_its_rate() {
     let settings = Settings {
-        policy: Policy::Periodic(micros(4_000)),
-        ..Settings::default()
+        policy: Policy::Periodic,
+        period: micros(4_000),
+        ..reflex::config::SETTINGS
     };
     let options = ReplayOptions {
         settings,
@@ -115,7 +116,7 @@ fn flights_go_on_side_by_side_in_threads_of_the_caller() {
     let seeds = [1, 2].map(|seed| ReplayOptions {
         settings: Settings {
             seed,
-            ..Settings::default()
+            ..reflex::config::SETTINGS
         },
         ..ReplayOptions::default()
     });
@@ -169,7 +170,7 @@ fn check_that_a_dip_is_noticed(board: &mut NativeBoard) {
             if is_accel(order) && !keeps.contains(&order.action))
     });
     println!("noticed after {noticed:?} ms, programmed again after {again:?} ms");
-    let two_failsafe_periods_ms = Settings::default().failsafe.ticks() as f64 * 2e-3;
+    let two_failsafe_periods_ms = reflex::config::SETTINGS.failsafe.ticks() as f64 * 2e-3;
     assert!(noticed.is_some_and(|after| after < two_failsafe_periods_ms));
     assert!(again.is_some_and(|after| after < two_failsafe_periods_ms));
     let rate = board.accel.with(|wired| wired.chip.rate_hz());
@@ -178,7 +179,7 @@ fn check_that_a_dip_is_noticed(board: &mut NativeBoard) {
 
 #[test]
 fn a_supply_dip_of_an_accelerometer_that_tells_every_sample_is_noticed() {
-    let mut board = in_flight(&gusts(30), 15, Settings::default());
+    let mut board = in_flight(&gusts(30), 15, reflex::config::SETTINGS);
     check_that_a_dip_is_noticed(&mut board);
 }
 
@@ -193,7 +194,7 @@ fn a_supply_dip_of_an_accelerometer_that_compares_is_noticed() {
     let settings = Settings {
         triggers: Inputs::NONE.with(Input::ChipAccel).with(Input::Turned),
         p_run: 0.9,
-        ..Settings::default()
+        ..reflex::config::SETTINGS
     };
     let mut board = in_flight(&flight, 10, settings);
     let compares = |board: &NativeBoard| board.accel.with(|wired| wired.chip.pin_threshold());
@@ -212,7 +213,7 @@ fn a_supply_dip_of_an_accelerometer_that_compares_is_noticed() {
 
 #[test]
 fn a_supply_dip_of_the_gyro_is_repaired_within_the_failsafe() {
-    let mut board = in_flight(&gusts(30), 10, Settings::default());
+    let mut board = in_flight(&gusts(30), 10, reflex::config::SETTINGS);
     let before = board.imu.with(|wired| wired.rises.len());
     board.imu.with(|wired| wired.chip.brown_out(10_000_000_000));
     board.run_until(11_000_000_000);
@@ -234,7 +235,7 @@ fn longest_gap_us(flight: &Flight) -> u64 {
 
 #[test]
 fn no_recorded_flight_leaves_control_waiting_longer_than_the_failsafe_and_a_hyperperiod() {
-    let bound = (Settings::default().failsafe + reflex::config::HYPERPERIOD).ticks();
+    let bound = (reflex::config::SETTINGS.failsafe + reflex::config::HYPERPERIOD).ticks();
     for name in [
         "csv/ansfl_phantom4_h11.csv",
         "csv/ap33_solo_acro_crash_mpu6000_lsm303d.csv",

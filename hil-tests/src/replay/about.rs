@@ -8,7 +8,6 @@ use std::collections::BTreeMap;
 use reflex::app::{Call, ChipAction, ChipSetting, Fault, Outcome, Ran, Reason};
 use reflex::reactive::{Fit, Phase};
 use reflex::sensors::{Cause, Input};
-use reflex::settings::{Feedback, MotorProtocol, Pairs, Policy, Reference, WarmUp};
 
 use super::story::Story;
 use crate::replay_options::ReplayOptions;
@@ -59,10 +58,7 @@ impl Known<'_, '_> {
         scoring::About {
             log: log.map_or_else(|| self.flight.name.clone(), |log| log.display().to_string()),
             tier,
-            policy: match self.options.settings.policy {
-                Policy::Reactive => "reactive".into(),
-                Policy::Periodic(_) => "periodic".into(),
-            },
+            policy: self.options.settings.policy.word().into(),
             seed: u64::from(self.options.settings.seed),
             options: options_in_effect(
                 self.options,
@@ -222,44 +218,9 @@ impl Known<'_, '_> {
 
 /// The options of a replay as the report spells them; `rotate` says how the log was turned.
 pub(crate) fn options_in_effect(options: &ReplayOptions, rotate: String) -> Options {
-    let settings = &options.settings;
-    let seconds = |span: reflex::time::Duration| span.ticks() as f64 / 1e6;
     Options {
         logic: options.logic.word().into(),
-        rate_hz: match settings.policy {
-            Policy::Reactive => None,
-            Policy::Periodic(period) => Some(1.0 / seconds(period)),
-        },
-        reference: match settings.reference {
-            Reference::PreviousSample => "previous-sample".into(),
-            Reference::LastRun => "last-run".into(),
-        },
-        triggers: Input::ALL
-            .into_iter()
-            .filter(|input| settings.triggers.contains(*input))
-            .map(|input| input.key().into())
-            .collect(),
-        pairs: match settings.pairs {
-            Pairs::FirstCrossings => "first-crossings".into(),
-            Pairs::WeightedLags => "weighted-lags".into(),
-            Pairs::Published => "published".into(),
-        },
-        feedback: match settings.feedback {
-            Feedback::Every => "every".into(),
-            Feedback::Published => "published".into(),
-        },
-        p_run: short(settings.p_run),
-        warm_up_s: match settings.warm_up {
-            WarmUp::Automatic => None,
-            WarmUp::Fixed(length) => Some(seconds(length)),
-        },
-        warm_up_rate_hz: 1.0 / seconds(settings.warm_up_period),
-        failsafe_s: seconds(settings.failsafe),
-        quantum: short(settings.quantum),
-        motors: match settings.motors {
-            MotorProtocol::OneShot125 => "oneshot125".into(),
-            MotorProtocol::Pwm => "pwm".into(),
-        },
+        settings: options.settings,
         rotate,
         noise: if options.noise { "datasheet" } else { "none" }.into(),
         duration_s: options.duration_s,

@@ -46,7 +46,7 @@ fn too_short(options: &ReplayOptions, flight: &Flight) -> Option<String> {
         .unwrap_or(f64::INFINITY)
         .min(flight.duration_s());
     let (needed, what) = match (options.settings.policy, options.settings.warm_up) {
-        (Policy::Periodic(_), _) => (SHORTEST_S, "periodic control is judged by"),
+        (Policy::Periodic, _) => (SHORTEST_S, "periodic control is judged by"),
         (_, WarmUp::Fixed(warm_up)) => (warm_up.ticks() as f64 / 1e6, "the fixed warm-up takes"),
         (_, WarmUp::Automatic) => {
             let shortest = SHORTEST_WARM_UP.ticks() as f64 / 1e6;

@@ -278,7 +278,8 @@ struct Native {
 impl Native {
     fn new(settings: Settings, logic: LogicName) -> Self {
         let settings = Settings {
-            policy: Policy::Periodic(HYPERPERIOD),
+            policy: Policy::Periodic,
+            period: HYPERPERIOD,
             ..settings
         };
         Self {

@@ -69,7 +69,7 @@ fn led_by_the_angle() -> Settings {
             .with(Input::ChipAccel)
             .with(Input::ChipMag),
         p_run: 0.9,
-        ..Settings::default()
+        ..reflex::config::SETTINGS
     }
 }
 
@@ -128,7 +128,7 @@ fn thresholds_of_fitted_models_decide_when_the_chip_interrupts() {
 
 #[test]
 fn the_same_replay_writes_the_same_motors_at_the_same_instants() {
-    let options = seconds(6.0, Settings::default());
+    let options = seconds(6.0, reflex::config::SETTINGS);
     assert_eq!(fly(&options), fly(&options));
 }
 
@@ -136,10 +136,10 @@ fn the_same_replay_writes_the_same_motors_at_the_same_instants() {
 fn another_seed_is_another_flight() {
     let other = Settings {
         seed: 2,
-        ..Settings::default()
+        ..reflex::config::SETTINGS
     };
     let digests =
-        [Settings::default(), other].map(|settings| fly(&seconds(4.0, settings)).about.digest);
+        [reflex::config::SETTINGS, other].map(|settings| fly(&seconds(4.0, settings)).about.digest);
     assert_ne!(digests[0], digests[1]);
 }
 
@@ -148,8 +148,9 @@ fn periodic_control_runs_at_its_rate_and_asks_no_model() {
     let report = fly(&seconds(
         5.0,
         Settings {
-            policy: Policy::Periodic(micros(4_000)),
-            ..Settings::default()
+            policy: Policy::Periodic,
+            period: micros(4_000),
+            ..reflex::config::SETTINGS
         },
     ));
     let control = &report.score.section.control;
@@ -182,6 +183,7 @@ fn no_option_needs_another_firmware() {
             feedback: Feedback::Published,
             seed: 9,
             policy: Policy::Reactive,
+            period: reflex::config::SETTINGS.period,
         },
     ));
     assert!(
@@ -189,11 +191,14 @@ fn no_option_needs_another_firmware() {
         "{}",
         report.score.warm_up_s
     );
-    let options = &report.about.options;
-    assert_eq!((options.motors.as_str(), options.failsafe_s), ("pwm", 0.05));
+    let options = serde_json::to_value(&report.about.options).expect("JSON");
     assert_eq!(
-        (options.reference.as_str(), options.p_run),
-        ("previous-sample", 0.4)
+        (&options["motors"], &options["failsafe_s"]),
+        (&"pwm".into(), &0.05.into())
+    );
+    assert_eq!(
+        (&options["reference"], &options["p_run"]),
+        (&"previous-sample".into(), &0.4.into())
     );
 }
 

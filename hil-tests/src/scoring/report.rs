@@ -2,7 +2,9 @@
 
 use super::Score;
 use super::latency::Quantiles;
+use super::options::named;
 use super::reason::ByReason;
+use reflex::settings::Settings;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -69,28 +71,9 @@ pub enum Tier {
 pub struct Options {
     /// Name of the control logic.
     pub logic: String,
-    /// Rate of the periodic policy in hertz; null under the reactive one.
-    pub rate_hz: Option<f64>,
-    /// `previous-sample` or `last-run`.
-    pub reference: String,
-    /// Inputs that may ask for a run.
-    pub triggers: Vec<String>,
-    /// `first-crossings`, `weighted-lags` or `published`.
-    pub pairs: String,
-    /// `every` or `published`.
-    pub feedback: String,
-    /// Probability of a change above which control runs.
-    pub p_run: f64,
-    /// Fixed length of the warm-up in seconds; null where the models decide.
-    pub warm_up_s: Option<f64>,
-    /// Runs per second while learning, in hertz.
-    pub warm_up_rate_hz: f64,
-    /// The longest time between runs, in seconds.
-    pub failsafe_s: f64,
-    /// The change of a motor command that counts, as a share of full scale.
-    pub quantum: f64,
-    /// `oneshot125` or `pwm`.
-    pub motors: String,
+    /// The autopilot's settings.
+    #[serde(flatten, serialize_with = "named")]
+    pub settings: Settings,
     /// Rotation from the log's axes to the board's.
     pub rotate: String,
     /// `datasheet` or `none`.

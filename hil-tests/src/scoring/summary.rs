@@ -1,5 +1,8 @@
 //! The report as text: what was flown, what was decided, how good it was.
 
+use reflex::settings::Policy;
+use reflex::time::Duration;
+
 use super::Score;
 use super::deviation::rate;
 use super::report::{About, LatencyPart, Report, Sensor, Tier};
@@ -32,11 +35,17 @@ pub fn summary(report: &Report) -> String {
     present.join("\n")
 }
 
+/// A span in seconds.
+fn seconds(span: Duration) -> f64 {
+    span.ticks() as f64 / 1e6
+}
+
 fn flown(about: &About, score: &Score) -> String {
     let options = &about.options;
-    let when = match options.rate_hz {
-        Some(rate) => format!("{} at {rate} Hz", about.policy),
-        None => format!("{}, P_run {}", about.policy, options.p_run),
+    let settings = &options.settings;
+    let when = match settings.policy {
+        Policy::Periodic => format!("{} at {} Hz", about.policy, 1.0 / seconds(settings.period)),
+        Policy::Reactive => format!("{}, P_run {}", about.policy, settings.p_run),
     };
     let warm_up = if score.warm_up.ended {
         "warm-up"
@@ -49,14 +58,17 @@ fn flown(about: &About, score: &Score) -> String {
     );
     text += &format!(
         "policy {when}, reference {}, failsafe {} s, quantum {:.5} of full scale, seed {}\n",
-        options.reference, options.failsafe_s, options.quantum, about.seed
+        settings.reference.word(),
+        seconds(settings.failsafe),
+        settings.quantum,
+        about.seed
     );
     text += &format!(
         "setpoint {}, rotation {}, noise {}, motors {}\n",
         about.setpoint.name(),
         options.rotate,
         options.noise,
-        options.motors
+        settings.motors.word()
     );
     if !about.gaps.is_empty() {
         let lost_s: f64 = about.gaps.iter().map(|gap| gap.length_s).sum();

@@ -2,10 +2,11 @@
 
 use std::fmt;
 
-use reflex::settings::Settings;
-use reflex::time::micros;
+use reflex::config::{LIMITS, SETTINGS};
+use reflex::settings::{Declared, Settings};
+use reflex_settings::{Setting, Value};
 
-use crate::replay::about::short;
+use crate::scoring::{number, report_name};
 
 /// A setting that a sweep can vary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,52 +23,48 @@ impl Parameter {
     /// All of them, in the order of the command line's help.
     pub const ALL: [Self; 3] = [Self::PRun, Self::Failsafe, Self::Quantum];
 
-    /// The name, which is that of the option without its dashes.
+    /// The declaration and its place.
     #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::PRun => "p-run",
+    pub fn setting(self) -> (usize, &'static Setting) {
+        let name = match self {
+            Self::PRun => "p_run",
             Self::Failsafe => "failsafe",
             Self::Quantum => "quantum",
-        }
+        };
+        let mut settings = Settings::SETTINGS.iter().enumerate();
+        settings
+            .find(|(_, setting)| setting.name == name)
+            .expect("a setting of this name")
+    }
+
+    /// The name, which is that of the option without its dashes.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        let (_, setting) = self.setting();
+        setting.option.map_or("", |[option, _]| option)
     }
 
     /// The name in a report, with the unit where there is one.
     #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::PRun => "p_run",
-            Self::Failsafe => "failsafe_s",
-            Self::Quantum => "quantum",
-        }
+    pub fn key(self) -> String {
+        report_name(self.setting().1)
     }
 
     /// What the settings hold of it: a share, for the failsafe seconds.
     #[must_use]
     pub fn value(self, settings: &Settings) -> f64 {
-        match self {
-            Self::PRun => short(settings.p_run),
-            Self::Failsafe => settings.failsafe.ticks() as f64 / 1e6,
-            Self::Quantum => short(settings.quantum),
-        }
+        let (place, setting) = self.setting();
+        settings
+            .value(place)
+            .map_or(f64::NAN, |value| number(setting, value))
     }
 
     /// The settings with another value of it, as near as they can hold it.
     fn set(self, value: f64, settings: Settings) -> Settings {
-        match self {
-            Self::PRun => Settings {
-                p_run: value as f32,
-                ..settings
-            },
-            Self::Failsafe => Settings {
-                failsafe: micros((value * 1e6).round() as u64),
-                ..settings
-            },
-            Self::Quantum => Settings {
-                quantum: value as f32,
-                ..settings
-            },
-        }
+        let (place, _) = self.setting();
+        settings
+            .with(place, Value::Number(value))
+            .unwrap_or(settings)
     }
 
     /// What the firmware makes of a value.
@@ -75,8 +72,10 @@ impl Parameter {
     /// # Errors
     /// As the single option refuses it.
     fn checked(self, value: f64) -> Result<f64, String> {
-        let settings = self.set(value, Settings::default());
-        settings.validate().map_err(|error| error.to_string())?;
+        let (place, _) = self.setting();
+        let settings = SETTINGS
+            .checked(place, Value::Number(value), &LIMITS)
+            .map_err(|refusal| refusal.to_string())?;
         Ok(self.value(&settings))
     }
 

@@ -160,8 +160,6 @@ fn median(points: &[SweepPoint], settings: &Settings) -> Median {
 fn effective(options: &SweepOptions) -> Result<Value> {
     let replay = &options.replay;
     let mut all = serde_json::to_value(options_in_effect(replay, replay.rotate.to_string()))?;
-    all["policy"] = json!("reactive");
-    all["seed"] = json!(replay.settings.seed);
     for axis in options.grid.axes() {
         all[axis.parameter().key()] = json!(axis.values());
     }

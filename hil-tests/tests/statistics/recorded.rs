@@ -13,9 +13,9 @@ use recorded_flights::recordings::flights;
 pub(super) fn settings() -> [(&'static str, Settings); 3] {
     let of = |triggers| Settings {
         triggers,
-        ..Settings::default()
+        ..reflex::config::SETTINGS
     };
-    let all = Settings::default();
+    let all = reflex::config::SETTINGS;
     let without_command = of(Inputs::OF_AXES);
     let turned = of(Inputs::OF_CHIPS.with(Input::Turned));
     [

@@ -1,7 +1,7 @@
 //! Gains of the control logic `arducopter`.
 
-use super::{Gain, LogicGains, next};
-use crate::{above, within};
+use super::{LogicGains, next};
+use crate::{Setting, above, within};
 
 gains! {
     "arducopter";

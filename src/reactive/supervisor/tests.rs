@@ -92,7 +92,7 @@ fn every_pair_of_phase_and_event_leads_where_the_table_says() {
 
 #[test]
 fn periodic_control_is_a_choice_that_nothing_but_disarming_ends() {
-    let policy = Policy::Periodic(micros(2_500));
+    let policy = Policy::Periodic;
     assert_eq!(
         Phase::Ground.after(PhaseEvent::Armed, policy),
         Phase::Periodic

@@ -16,31 +16,31 @@ struct Only {
 
 /// arguments | what is said
 const SENSELESS: &str = "
---rate 100 | --rate 100: only periodic control has a rate
---policy reactive --rate 100 | add --policy periodic
+--rate 100 | --rate: reactive control has none
+--policy reactive --rate 100 | use --policy periodic
 --policy periodic --reference last-run | --reference: periodic control has none
 --policy periodic --p-run 0.5 | --p-run: periodic control has none
 --policy periodic --warm-up auto | --warm-up: periodic control has none
---policy periodic --rate 0 | --rate 0: must be 1 to 1000 Hz
---policy periodic --rate -5 | --rate -5: must be 1 to 1000 Hz
+--policy periodic --rate 0 | --rate: 0 is out of range, must be 1 to 1000 Hz
+--policy periodic --rate -5 | --rate: -5 is out of range, must be 1 to 1000 Hz
 --policy periodic --rate 1000.5 | must be 1 to 1000 Hz
 --policy periodic --rate inf | must be a finite number
 --policy periodic --rate nan | must be a finite number
 --policy periodic --rate 5 | leaves the failsafe, every 100 ms, no room
 --policy periodic --rate 10 | leaves the failsafe, every 100 ms, no room
---p-run 0 | --p-run: p_run must lie between 0 and 1
+--p-run 0 | --p-run: 0 is out of range, must be above 0 and below 1
 --p-run 1 | --p-run:
 --p-run -0.1 | --p-run:
 --p-run 0.999999999999 | --p-run:
 --p-run NaN | must be a finite number
---warm-up -1 | must be `auto` or a time in s
---warm-up 31 | --warm-up: a fixed warm-up must not be longer than 30 s
+--warm-up -1 | --warm-up: -1 is out of range, must be automatic or 0 to 30 s
+--warm-up 31 | --warm-up: 31 is out of range, must be automatic or 0 to 30 s
 --warm-up 1e300 | --warm-up:
---failsafe 0.001 | --failsafe: failsafe must be longer than
+--failsafe 0.001 | --failsafe: 0.001 is out of range, must be above 2 hyperperiods, 0.002 s
 --failsafe 0.002 | --failsafe:
 --failsafe 1.5 | --failsafe:
 --failsafe -1 | --failsafe:
---quantum 0 | --quantum: quantum must be
+--quantum 0 | --quantum: 0 is out of range, must be above 0 and at most 0.5
 --quantum=-1/255 | --quantum:
 --quantum 0.6 | --quantum:
 --quantum 1/0 | must be a finite number
@@ -53,8 +53,8 @@ const SENSELESS: &str = "
 --noise loud | [possible values: none, datasheet]
 --motors dshot | [possible values: oneshot125, pwm]
 --reference first | [possible values: previous-sample, last-run]
---seed -1 | -1 is not in 0..=4294967295
---seed 4294967296 | 4294967296 is not in 0..=4294967295
+--seed -1 | must be a whole number, 0 to 4294967295
+--seed 4294967296 | must be a whole number, 0 to 4294967295
 a.csv b.csv | a.csv and b.csv: one log at a time
 --defmt src | --defmt src: is a folder
 --native --defmt out.log | --defmt out.log: only the firmware writes a log, leave out --native
@@ -63,7 +63,7 @@ a.csv b.csv | a.csv and b.csv: one log at a time
 --sweep p-run | must be NAME=A..B
 --sweep seed=1..9 | `seed` is none of p-run, failsafe, quantum
 --sweep p-run=0.9..0.2 | must ascend
---sweep p-run=0..0.9 | '--sweep <NAME=A..B,...>': `p-run=0..0.9`: p_run must lie between
+--sweep p-run=0..0.9 | '--sweep <NAME=A..B,...>': `p-run=0..0.9`: 0 is out of range, must be above 0 and below 1
 --sweep p-run=0.2..0.9 --p-run 0.5 | --p-run: --sweep names p-run too, leave one of them out
 --sweep failsafe=0.01..0.3 --failsafe 0.1 | --failsafe: --sweep names failsafe too
 --sweep p-run=0.2..0.9 --policy periodic | leave out --rate and --policy periodic
@@ -104,6 +104,7 @@ fn every_option_arrives() {
     .unwrap();
     let settings = Settings {
         policy: Policy::Reactive,
+        period: config::SETTINGS.period,
         reference: Reference::PreviousSample,
         p_run: 0.7,
         warm_up: WarmUp::Fixed(micros(2_000_000)),
@@ -145,23 +146,19 @@ fn a_sweep_has_the_options_of_a_replay_at_every_point() {
 
 #[test]
 fn periodic_control_has_the_configured_rate_or_its_own() {
-    let policy = |line| parse(line).unwrap().settings.policy;
-    assert_eq!(
-        policy("--policy periodic"),
-        Policy::Periodic(config::PERIODIC_PERIOD)
-    );
-    assert_eq!(
-        policy("--policy periodic --rate 1000"),
-        Policy::Periodic(micros(1000))
-    );
-    assert_eq!(
-        policy("--policy periodic --rate 2 --failsafe 1"),
-        Policy::Periodic(micros(500_000))
-    );
-    assert_eq!(
-        policy("--policy periodic --duration 1"),
-        Policy::Periodic(config::PERIODIC_PERIOD)
-    );
+    let configured = config::SETTINGS.period;
+    for (line, period) in [
+        ("--policy periodic", configured),
+        ("--policy periodic --rate 1000", micros(1000)),
+        ("--policy periodic --rate 2 --failsafe 1", micros(500_000)),
+        ("--policy periodic --duration 1", configured),
+    ] {
+        let settings = parse(line).unwrap().settings;
+        assert_eq!(
+            (settings.policy, settings.period),
+            (Policy::Periodic, period)
+        );
+    }
 }
 
 #[test]
@@ -204,10 +201,10 @@ proptest! {
         }
         match parse(&line) {
             Ok(options) => {
-                prop_assert!(options.settings.validate().is_ok());
+                prop_assert!(options.settings.check(&config::LIMITS).is_ok());
                 prop_assert!(options.duration_s.is_none_or(|length| length > 0.0));
                 let block = options.settings.to_bytes();
-                prop_assert_eq!(Settings::from_bytes(&block), Ok(options.settings));
+                prop_assert_eq!(Settings::from_bytes(&block, &config::LIMITS), Ok(options.settings));
             }
             Err(error) => prop_assert!(error.contains("--"), "{}", error),
         }

@@ -3,6 +3,9 @@
 use super::super::report::*;
 use super::super::{LatencySample, Quantiles, Report, latencies};
 use super::*;
+use reflex::config::SETTINGS;
+use reflex::sensors::{Input, Inputs};
+use reflex::settings::Settings;
 use serde_json::{Value, json};
 
 /// A short flight in which everything happens at least once.
@@ -54,17 +57,11 @@ fn sensor(name: &str, state: ModelState) -> Sensor {
 fn options() -> Options {
     Options {
         logic: "cascade".into(),
-        rate_hz: None,
-        reference: "last-run".to_owned(),
-        triggers: vec!["gyro".to_owned()],
-        pairs: "first-crossings".to_owned(),
-        feedback: "every".to_owned(),
-        p_run: 0.6,
-        warm_up_s: None,
-        warm_up_rate_hz: 1000.0,
-        failsafe_s: 0.1,
-        quantum: 0.25,
-        motors: "oneshot125".to_owned(),
+        settings: Settings {
+            triggers: Inputs::NONE.with(Input::Gyro),
+            quantum: 0.25,
+            ..SETTINGS
+        },
         rotate: "none".to_owned(),
         noise: "datasheet".to_owned(),
         duration_s: None,

@@ -3,6 +3,8 @@
 use super::super::{Report, summary};
 use super::report::{about, flight_of};
 use super::*;
+use reflex::settings::Policy;
+use reflex::time::micros;
 
 fn text(change: impl FnOnce(&mut Report)) -> String {
     let flight = flight_of(2_000_000);
@@ -86,7 +88,8 @@ fn nothing_trails_and_no_line_is_wider_than_a_screen() {
 fn a_periodic_flight_names_its_rate() {
     let text = text(|report| {
         report.about.policy = "periodic".to_owned();
-        report.about.options.rate_hz = Some(250.0);
+        report.about.options.settings.policy = Policy::Periodic;
+        report.about.options.settings.period = micros(4000);
     });
     assert!(text.contains("policy periodic at 250 Hz, reference last-run"));
     assert!(last_line(&text).starts_with("verdict: periodic strayed"));
