@@ -55,14 +55,19 @@ fn check(file_name: &str, settings: impl Iterator<Item = &'static Setting>) {
         let comment = comment(&text, setting);
         for words in words(setting) {
             let path = setting.path();
-            assert!(comment.contains(&words), "{file_name}: {path}: {comment:?} does not say {words:?}");
+            assert!(
+                comment.contains(&words),
+                "{file_name}: {path}: {comment:?} does not say {words:?}"
+            );
         }
     }
 }
 
 #[test]
 fn every_comment_of_reactive_toml_says_range_and_default() {
-    let chosen = Settings::SETTINGS.iter().filter(|setting| !setting.of_board);
+    let chosen = Settings::SETTINGS
+        .iter()
+        .filter(|setting| !setting.of_board);
     check("reactive.toml", chosen.chain(REACTIVE));
 }
 
@@ -76,7 +81,11 @@ fn every_comment_of_the_board_says_range_and_default() {
 fn the_comment_of_the_inputs_says_what_each_has() {
     let text = file("reactive.toml");
     for setting in INPUT {
-        assert!(text.contains(&format!("`{}`", setting.key)), "{}", setting.key);
+        assert!(
+            text.contains(&format!("`{}`", setting.key)),
+            "{}",
+            setting.key
+        );
         if let Some(range) = setting.kind.range() {
             assert!(text.contains(&range.to_string()), "{range}");
         }

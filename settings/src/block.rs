@@ -1,20 +1,31 @@
 //! The bytes of the settings block, by which a host or a bootloader sets the firmware.
 //!
 //! Little-endian: magic `RFLX`, version, length, the fields in the order of their declaration,
-//! four bytes each, CRC-32 of all before it. A change of the fields raises the version.
+//! four bytes each, CRC-32 of all before it. The version follows from the fields' names.
 
 use crate::bytes::{Vec, put, take};
 use crate::declare::Declared;
-use crate::setting::{Limits, OutOfRange};
+use crate::setting::{Limits, OutOfRange, Setting};
 use crate::settings::Settings;
 
 const MAGIC: [u8; 4] = *b"RFLX";
-const VERSION: u16 = 4;
 const CHECKSUM: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+const VERSION: u16 = version(Settings::SETTINGS);
 const CHECKSUM_LENGTH: usize = 4;
 
 /// Length of the whole block in bytes.
 pub const BLOCK_LENGTH: usize = 8 + Settings::LENGTH + CHECKSUM_LENGTH;
+
+/// A number that differs where names or order of the fields do.
+const fn version(mut settings: &[Setting]) -> u16 {
+    let mut digest = CHECKSUM.digest();
+    while let [setting, rest @ ..] = settings {
+        digest.update(setting.name.as_bytes());
+        digest.update(b",");
+        settings = rest;
+    }
+    digest.finalize() as u16
+}
 
 /// Why a block is not settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,7 +137,6 @@ mod tests {
         ) {
             let settings = Settings {
                 policy: if period.is_some() { Policy::Periodic } else { Policy::Reactive },
-                period: micros(period.unwrap_or(2_500)),
                 reference: if previous { Reference::PreviousSample } else { Reference::LastRun },
                 p_run,
                 warm_up: warm_up.map_or(WarmUp::Automatic, |length| WarmUp::Fixed(micros(length))),
@@ -138,6 +148,11 @@ mod tests {
                 pairs: if published { Pairs::Published } else { Pairs::WeightedLags },
                 feedback: if published { Feedback::Published } else { Feedback::Every },
                 seed,
+                ..shipped()
+            };
+            let settings = Settings {
+                period: micros(period.unwrap_or(2_500)),
+                ..settings
             };
             prop_assert_eq!(read(&settings.to_bytes()), Ok(settings));
         }

@@ -183,7 +183,7 @@ fn no_option_needs_another_firmware() {
             feedback: Feedback::Published,
             seed: 9,
             policy: Policy::Reactive,
-            period: reflex::config::SETTINGS.period,
+            ..reflex::config::SETTINGS
         },
     ));
     assert!(

@@ -104,7 +104,6 @@ fn every_option_arrives() {
     .unwrap();
     let settings = Settings {
         policy: Policy::Reactive,
-        period: config::SETTINGS.period,
         reference: Reference::PreviousSample,
         p_run: 0.7,
         warm_up: WarmUp::Fixed(micros(2_000_000)),
@@ -116,6 +115,7 @@ fn every_option_arrives() {
         pairs: Pairs::Published,
         feedback: Feedback::Published,
         seed: 9,
+        ..config::SETTINGS
     };
     let expected = ReplayOptions {
         logic: LogicName::configured(),
