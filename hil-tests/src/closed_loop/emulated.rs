@@ -7,20 +7,19 @@ use std::num::NonZeroU64;
 use std::sync::Arc;
 
 use anyhow::Result;
-use reflex::app::{Autopilot, Call};
+use reflex::app::Call;
 use reflex::config::MOTORS;
 use reflex::reactive::Phase;
 use reflex::settings::{MotorProtocol, Settings};
 
 use super::desired::Desired;
 use super::report::Cpu;
-use super::tier::{Applied, Tier, TimedRan, throttle};
+use super::tier::{Applied, Tier, TimedRan};
 use crate::firmware::Firmware;
-use crate::logics::{AnyLogic, LogicName};
+use crate::logics::LogicName;
 use crate::native::nanos;
-use crate::replay::alignment::{Alignment, update_period_ns};
-use crate::replay::observation::Observation;
-use crate::replay::story::LastRan;
+use crate::record::motor_timers::{throttle, update_period_ns};
+use crate::record::{Alignment, Mirror, Observation};
 use crate::scoring::MotorDigest;
 use chip_models::{ChipOptions, SharedChips, StimulusSource};
 use emulated_board::emulated::{EmulatedBoard, Sensors};
@@ -37,7 +36,7 @@ pub(super) struct EmulatedTier {
     board: Box<EmulatedBoard>,
     observation: Observation,
     /// Makes the firmware's calls again.
-    mirror: Autopilot<LastRan, AnyLogic>,
+    mirror: Mirror,
     /// How many calls and motor writes have been taken.
     mirrored: usize,
     written: usize,
@@ -63,8 +62,8 @@ impl EmulatedTier {
         };
         Ok(Self {
             board: Box::new(EmulatedBoard::boot(&elf, sensors, &options)?),
-            observation: Observation::new(None, None),
-            mirror: Autopilot::with_logic(settings, LastRan::default(), logic.logic()),
+            observation: Observation::new(None),
+            mirror: Mirror::new(settings, logic),
             mirrored: 0,
             written: 0,
             runs: Vec::new(),
@@ -76,9 +75,8 @@ impl EmulatedTier {
     fn mirror(&mut self) -> Result<()> {
         self.observation.check()?;
         for stamped in &self.observation.calls[self.mirrored..] {
-            stamped.call.replay(stamped.at, &mut self.mirror);
+            self.mirror.take(stamped)?;
             if let Call::Ran(ran) = stamped.call {
-                self.mirror.recorder().check(stamped.at, &ran)?;
                 self.runs.push((nanos(stamped.at), ran));
             }
         }
@@ -118,7 +116,7 @@ impl Tier for EmulatedTier {
     }
 
     fn phase(&self) -> Phase {
-        self.mirror.telemetry().phase
+        self.mirror.autopilot().telemetry().phase
     }
 
     fn update_offset_ns(&self) -> u64 {

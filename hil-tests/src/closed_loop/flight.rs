@@ -17,7 +17,7 @@ use super::tier::{Applied, Tier, TimedRan};
 use super::track::{KEPT_NS, Moment};
 use super::world::{LONGEST_STEP_NS, World};
 use super::{FlyOptions, Flyer, Scene};
-use crate::replay::alignment::update_period_ns;
+use crate::record::motor_timers::update_period_ns;
 use chip_models::{ChipOptions, StimulusSource};
 
 /// Time between two looks of mission, ground station and measures, ns.
@@ -57,7 +57,7 @@ impl<'o> Flight<'o> {
         let mut vehicle = scene.vehicle.clone();
         vehicle.inertia_kg_m2 = vehicle.inertia_kg_m2.map(|axis| axis / options.stress.gain);
         let world = World::new((&vehicle, &scene.airframe), &scene.environment, seed)?;
-        let source: Arc<dyn StimulusSource> = Arc::clone(&world.felt) as _;
+        let source: Arc<dyn StimulusSource> = Arc::clone(&world.sensed) as _;
         let told = (options.settings, options.logic);
         let chips = ChipOptions {
             seed,

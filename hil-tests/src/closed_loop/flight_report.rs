@@ -24,7 +24,7 @@ impl Flight<'_> {
     ///
     /// # Errors
     /// What only the end shows of the firmware.
-    pub(super) fn tell(self, scene: &Scene, flyer: Flyer<'_>) -> Result<FlightReport> {
+    pub(super) fn report(self, scene: &Scene, flyer: Flyer<'_>) -> Result<FlightReport> {
         let (options, crash) = (self.options, self.crash());
         let whole = self.whole().filter(|_| crash.is_none());
         let state = self.world.state();

@@ -3,7 +3,7 @@
 //! ```text
 //!   mission --> station --link--> [ autopilot on its board ] --pulses--> drone in wind
 //!      ^          ^                         ^                               |
-//!      +----------+-------------------------+--- chips <--- felt <----------+
+//!      +----------+-------------------------+--- chips <-- motion <---------+
 //! ```
 //! The drone is that of the crate `flight-dynamics`, which knows nothing of the firmware. The
 //! autopilot is the unmodified firmware on the emulated board, or the same code natively; either
@@ -17,16 +17,16 @@
 
 mod desired;
 mod emulated;
-mod felt;
 mod flight;
+mod flight_report;
 mod measures;
 mod mission;
 mod native;
 mod outer_loop;
 pub mod plot;
 pub mod report;
+mod sensed_motion;
 mod station;
-mod telling;
 #[cfg(test)]
 mod tests;
 mod tier;
@@ -147,7 +147,7 @@ pub fn fly(
         }
     }
     let track = std::mem::take(&mut flight.track);
-    let report = flight.tell(scene, flyer)?;
+    let report = flight.report(scene, flyer)?;
     Ok(Flown { report, track })
 }
 

@@ -9,10 +9,10 @@ use reflex::settings::{MotorProtocol, Settings};
 
 use super::desired::Desired;
 use super::report::Cpu;
-use super::tier::{Applied, Tier, TimedRan, throttle};
+use super::tier::{Applied, Tier, TimedRan};
 use crate::logics::LogicName;
 use crate::native::{NativeBoard, RUN_NS, nanos};
-use crate::replay::alignment::{pulse_ns, update_period_ns};
+use crate::record::motor_timers::{pulse_ns, throttle, update_period_ns};
 use crate::scoring::MotorDigest;
 use chip_models::{ChipOptions, StimulusSource};
 use recorded_flights::LinkFrame;

@@ -1,4 +1,4 @@
-//! What the chips feel of a simulated flight: its newest few milliseconds.
+//! What the chips sense of a simulated flight: its newest few milliseconds.
 //!
 //! Chips ask for the past, as their filters delay, and while a bus transfer is played for up to
 //! half a millisecond of the future, which is taken to be like the newest present.
@@ -13,9 +13,9 @@ const KEPT: usize = 64;
 
 /// The newest steps of a flight, shared between the simulation and the chips.
 #[derive(Debug)]
-pub(super) struct Felt(Mutex<VecDeque<(u64, Stimulus)>>);
+pub(super) struct SensedMotion(Mutex<VecDeque<(u64, Stimulus)>>);
 
-impl Felt {
+impl SensedMotion {
     /// Nothing but a first instant.
     pub(super) fn new(at_ns: u64, first: Stimulus) -> Self {
         let mut steps = VecDeque::with_capacity(KEPT + 1);
@@ -23,7 +23,7 @@ impl Felt {
         Self(Mutex::new(steps))
     }
 
-    /// What is felt at a later instant than any before.
+    /// What is sensed at a later instant than any before.
     pub(super) fn push(&self, at_ns: u64, stimulus: Stimulus) {
         let mut steps = self.steps();
         if steps.len() == KEPT {
@@ -57,7 +57,7 @@ fn between(from: [f64; 3], to: [f64; 3], share: f64) -> [f64; 3] {
     std::array::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * share)
 }
 
-impl StimulusSource for Felt {
+impl StimulusSource for SensedMotion {
     fn at(&self, at_ns: u64) -> Stimulus {
         self.around(at_ns, |from, to, share| Stimulus {
             gyro: between(from.gyro, to.gyro, share),
@@ -91,21 +91,21 @@ mod tests {
 
     #[test]
     fn between_two_steps_signals_are_straight_and_outside_of_all_they_are_held() {
-        let felt = Felt::new(1000, turning(1.0));
-        felt.push(2000, turning(3.0));
+        let motion = SensedMotion::new(1000, turning(1.0));
+        motion.push(2000, turning(3.0));
         for (at_ns, rate) in [(0, 1.0), (1000, 1.0), (1250, 1.5), (2000, 3.0), (9000, 3.0)] {
-            assert_eq!(felt.gyro(at_ns), [rate, 0.0, -rate], "{at_ns}");
-            assert_eq!(felt.at(at_ns).gyro, felt.gyro(at_ns));
+            assert_eq!(motion.gyro(at_ns), [rate, 0.0, -rate], "{at_ns}");
+            assert_eq!(motion.at(at_ns).gyro, motion.gyro(at_ns));
         }
     }
 
     #[test]
     fn only_the_newest_steps_are_kept() {
-        let felt = Felt::new(0, turning(0.0));
+        let motion = SensedMotion::new(0, turning(0.0));
         for step in 1..=1000u32 {
-            felt.push(u64::from(step) * 500, turning(f64::from(step)));
+            motion.push(u64::from(step) * 500, turning(f64::from(step)));
         }
-        assert_eq!(felt.steps().len(), KEPT);
-        assert_eq!(felt.gyro(999 * 500)[0], 999.0);
+        assert_eq!(motion.steps().len(), KEPT);
+        assert_eq!(motion.gyro(999 * 500)[0], 999.0);
     }
 }

@@ -3,7 +3,6 @@
 use anyhow::Result;
 use reflex::app::Ran;
 use reflex::reactive::Phase;
-use reflex::settings::MotorProtocol;
 
 use super::desired::Desired;
 use super::report::Cpu;
@@ -52,38 +51,4 @@ pub(super) trait Tier {
     /// # Errors
     /// What only the end shows of the firmware.
     fn finish(self: Box<Self>, from_ns: u64) -> Result<(Option<Cpu>, String)>;
-}
-
-/// The throttle that a speed controller reads from a pulse, 0 to 1; none without a pulse.
-pub(super) fn throttle(protocol: MotorProtocol, pulse_ns: u32) -> Option<f64> {
-    let shortest = match protocol {
-        MotorProtocol::OneShot125 => 125_000.0,
-        MotorProtocol::Pwm => 1_000_000.0,
-    };
-    (pulse_ns > 0).then(|| (f64::from(pulse_ns) / shortest - 1.0).clamp(0.0, 1.0))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::replay::alignment::update_period_ns;
-
-    #[test]
-    fn a_pulse_means_the_throttle_of_its_protocol() {
-        for (protocol, pulse_ns, share) in [
-            (MotorProtocol::OneShot125, 125_000, 0.0),
-            (MotorProtocol::OneShot125, 187_500, 0.5),
-            (MotorProtocol::Pwm, 2_000_000, 1.0),
-            (MotorProtocol::Pwm, 900_000, 0.0),
-        ] {
-            assert_eq!(throttle(protocol, pulse_ns), Some(share));
-        }
-        assert_eq!(throttle(MotorProtocol::Pwm, 0), None);
-    }
-
-    #[test]
-    fn timers_beat_at_2_khz_or_at_400_hz() {
-        assert_eq!(update_period_ns(MotorProtocol::OneShot125), 500_000);
-        assert_eq!(update_period_ns(MotorProtocol::Pwm), 2_500_000);
-    }
 }

@@ -1,4 +1,4 @@
-//! The simulated world: a drone in wind, moved by motor commands, felt by chips.
+//! The simulated world: a drone in wind, moved by motor commands, sensed by chips.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -12,8 +12,8 @@ use rand_chacha::rand_core::SeedableRng;
 use reflex_config::plant::{self, Environment, Vehicle};
 use reflex_config::{Airframe, Spin};
 
-use super::felt::Felt;
 use super::mission::uniform;
+use super::sensed_motion::SensedMotion;
 use super::tier::Applied;
 use chip_models::Stimulus;
 
@@ -34,7 +34,7 @@ pub(super) struct World {
     wind: dynamics::Wind,
     /// The air's velocity in the newest step, m/s.
     pub(super) air: Vector3<f64>,
-    pub(super) felt: Arc<Felt>,
+    pub(super) sensed: Arc<SensedMotion>,
     now_ns: u64,
     commands: VecDeque<Applied>,
     throttles: Vec<f64>,
@@ -53,11 +53,11 @@ impl World {
         let vehicle = vehicle_of(vehicle, airframe);
         let weather = weather_of(environment, seed);
         let drone = Drone::new(&vehicle, Place::default(), &weather)?;
-        let felt = Arc::new(Felt::new(0, stimulus(&drone)));
+        let sensed = Arc::new(SensedMotion::new(0, stimulus(&drone)));
         Ok(Self {
             wind: dynamics::Wind::new(&weather, seed)?,
             air: Vector3::zeros(),
-            felt,
+            sensed,
             now_ns: 0,
             commands: VecDeque::new(),
             throttles: vec![0.0; airframe.motors.len()],
@@ -88,7 +88,7 @@ impl World {
                 .map_err(|diverged| anyhow!("{diverged}"))?;
             self.now_ns = stop_ns;
         }
-        self.felt.push(self.now_ns, stimulus(&self.drone));
+        self.sensed.push(self.now_ns, stimulus(&self.drone));
         Ok(())
     }
 
@@ -108,11 +108,11 @@ impl World {
 }
 
 fn stimulus(drone: &Drone) -> Stimulus {
-    let felt = drone.felt();
+    let sensed = drone.felt();
     Stimulus {
-        gyro: felt.rates.into(),
-        specific_force: felt.specific_force.into(),
-        magnetic_field: felt.magnetic_field.into(),
+        gyro: sensed.rates.into(),
+        specific_force: sensed.specific_force.into(),
+        magnetic_field: sensed.magnetic_field.into(),
         temperature_c: TEMPERATURE_C,
     }
 }
@@ -252,9 +252,12 @@ mod tests {
         for step in 1..=200 {
             world.advance_to(step * STEP_NS).unwrap();
         }
-        let felt = world.felt.at(100 * STEP_NS);
-        assert!((felt.specific_force[2] + 9.80665).abs() < 0.01, "{felt:?}");
-        assert!((felt.magnetic_field[0] - 0.21).abs() < 1e-3, "{felt:?}");
+        let sensed = world.sensed.at(100 * STEP_NS);
+        assert!(
+            (sensed.specific_force[2] + 9.80665).abs() < 0.01,
+            "{sensed:?}"
+        );
+        assert!((sensed.magnetic_field[0] - 0.21).abs() < 1e-3, "{sensed:?}");
     }
 
     #[test]

@@ -13,6 +13,7 @@ use crate::airframes::{self, Variant};
 use crate::closed_loop::{self, FlyOptions, Flyer, Mission, Scene, Stress, plot, report};
 use crate::firmware::Firmware;
 use crate::logics::LogicName;
+use crate::output_file::OutputFile;
 use crate::progress::Progress;
 use crate::refusal::Refusal;
 
@@ -88,7 +89,7 @@ pub(super) fn run(arguments: &FlyArguments) -> Result<()> {
     bar.finish();
     let flown = flown?;
     if let Some(file) = &arguments.plot {
-        super::sweep_arguments::write_figure(file, &plot::figure(&flown).to_svg()?)?;
+        OutputFile::new("plot", file).write(&plot::figure(&flown).to_svg()?)?;
     }
     let report = &flown.report;
     super::print(&if arguments.json {
@@ -105,6 +106,9 @@ pub(super) fn run(arguments: &FlyArguments) -> Result<()> {
 impl FlyArguments {
     fn options(&self) -> Result<FlyOptions, Refusal> {
         let refuse = |line: String| Err(Refusal::new(line));
+        if let Some(file) = &self.plot {
+            OutputFile::new("plot", file).check()?;
+        }
         let settings = self.settings.settings()?;
         if !(self.duration > 0.0 && self.duration <= LONGEST_S) {
             return refuse(format!(
@@ -225,6 +229,11 @@ mod tests {
                 "natively there is no processor, leave out --native",
             ),
             ("--plant-gain 0", "--plant-gain 0: must be 0.1 to 10"),
+            ("--plot src", "--plot src: is a folder"),
+            (
+                "--plot nowhere/a.svg",
+                "--plot nowhere/a.svg: its folder does not exist",
+            ),
             ("--plant-delay 1", "--plant-delay 1: must be 0 to 0.2 s"),
             ("--rate 100", "--rate: reactive control has none"),
             ("--policy periodic --rate 2000", "must be 1 to 1000 Hz"),

@@ -1,14 +1,14 @@
 //! `cargo hil graph`: the picture of a control logic.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::Args;
 use reflex::graph::ControlLogic;
 
 use crate::logics::LogicName;
+use crate::output_file::OutputFile;
 use crate::picture::{GraphData, dot, svg};
-use crate::refusal::Refusal;
 use crate::toolchain;
 
 /// Which logic is drawn, and where to.
@@ -44,7 +44,7 @@ pub(super) fn run(arguments: &GraphArguments) -> Result<()> {
             None if arguments.json => continue,
             None => in_target(&format!("graph_{}.{option}", name.word()))?,
         };
-        write(option, &file, &content)?;
+        OutputFile::new(option, &file).write(&content)?;
         text += &format!("{option}: {}\n", file.display());
     }
     if arguments.json {
@@ -58,11 +58,4 @@ fn in_target(name: &str) -> Result<PathBuf> {
     let folder = toolchain::root().join("target/hil");
     std::fs::create_dir_all(&folder)?;
     Ok(folder.join(name))
-}
-
-fn write(option: &str, file: &Path, content: &str) -> Result<(), Refusal> {
-    std::fs::write(file, content).map_err(|error| {
-        let file = file.display();
-        Refusal::new(format!("--{option} {file}: cannot be written: {error}"))
-    })
 }

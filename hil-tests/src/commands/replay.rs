@@ -5,8 +5,7 @@ use anyhow::Result;
 use super::bar::Bar;
 use super::replay_arguments::ReplayArguments;
 use super::sweep_arguments::write_figure;
-use crate::native;
-use crate::replay::replay;
+use crate::replay::{emulated, native};
 use crate::scoring::summary;
 use crate::sweep::{SweepOptions, sweep, tables, trade_curves};
 
@@ -20,7 +19,7 @@ pub(super) fn run(arguments: &ReplayArguments) -> Result<()> {
     let result = if arguments.native {
         native::replay(&options, &mut bar)
     } else {
-        replay(&options, &mut bar)
+        emulated::replay(&options, &mut bar)
     };
     bar.finish();
     let report = result?;

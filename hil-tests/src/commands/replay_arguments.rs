@@ -10,8 +10,9 @@ use super::quantities::number;
 use super::settings_arguments::SettingsArguments;
 use super::sweep_arguments::SweepArguments;
 use crate::logics::LogicName;
+use crate::output_file::OutputFile;
 use crate::refusal::Refusal;
-use crate::replay_options::ReplayOptions;
+use crate::replay::options::ReplayOptions;
 use crate::sweep::{Parameter, SweepOptions};
 use recorded_flights::Rotate;
 
@@ -87,7 +88,11 @@ impl ReplayArguments {
                     file.display()
                 )));
             }
-            check_defmt(file, log.as_deref())?;
+            let file = OutputFile::new("defmt", file);
+            file.check()?;
+            if let Some(log) = &log {
+                file.check_is_not(log)?;
+            }
         }
         Ok(ReplayOptions {
             log,
@@ -150,35 +155,6 @@ impl ReplayArguments {
         }
         Ok(())
     }
-}
-
-/// The firmware's log goes to a file of its own.
-fn check_defmt(file: &Path, log: Option<&Path>) -> Result<(), Refusal> {
-    let refuse = |reason: &str| {
-        let file = file.display();
-        Err(Refusal::new(format!("--defmt {file}: {reason}")))
-    };
-    if file.as_os_str().is_empty() || file == Path::new("-") {
-        return refuse("must be the name of a file, stdout is for the result");
-    }
-    if file.is_dir() {
-        return refuse("is a folder, must be the name of a file");
-    }
-    let folder = match file.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    if !folder.is_dir() {
-        return refuse("its folder does not exist");
-    }
-    // Compared as the file system knows them, so that no other spelling overwrites the log.
-    let same = log.is_some_and(|log| {
-        matches!((log.canonicalize(), file.canonicalize()), (Ok(log), Ok(file)) if log == file)
-    });
-    if same {
-        return refuse("is the recorded flight itself, and would overwrite it");
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::sweep_text::grid;
+use crate::output_file::OutputFile;
 use crate::refusal::Refusal;
 use crate::sweep::{Grid, Parameter};
 use crate::toolchain;
@@ -78,58 +79,35 @@ impl SweepArguments {
     }
 }
 
-/// Writes a figure, and makes the folder of the default one.
+/// Writes the figure, and makes the folder of the default one.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub(super) fn write_figure(file: &Path, svg: &str) -> Result<(), Refusal> {
-    let refused = |error: std::io::Error| {
-        Refusal::new(format!(
-            "--svg {}: cannot be written: {error}",
-            file.display()
-        ))
-    };
-    if let Some(folder) = file.parent()
-        && file.ends_with(FIGURE)
+    let output = OutputFile::new("svg", file);
+    if file.ends_with(FIGURE)
+        && let Some(folder) = file.parent()
     {
-        std::fs::create_dir_all(folder).map_err(refused)?;
+        std::fs::create_dir_all(folder).map_err(|error| output.refusal(error))?;
     }
-    std::fs::write(file, svg).map_err(refused)
+    output.write(svg)
 }
 
 /// The figure goes to a file of its own.
 fn check_file(file: &Path, log: Option<&Path>) -> Result<(), Refusal> {
-    let refuse = |reason: &str| {
-        let file = file.display();
-        Err(Refusal::new(format!("--svg {file}: {reason}")))
-    };
-    if file.as_os_str().is_empty() || file == Path::new("-") {
-        return refuse("must be the name of a file, stdout is for the tables");
+    let output = OutputFile::new("svg", file);
+    output.check()?;
+    match log {
+        Some(log) if log.is_dir() && !is_figure(file) => {
+            // It may be one of the logs in the folder.
+            let name = file.file_name().unwrap_or_default();
+            output.check_is_not(&log.join(name))
+        }
+        Some(log) if !log.is_dir() => output.check_is_not(log),
+        _ => Ok(()),
     }
-    if file.is_dir() {
-        return refuse("is a folder, must be the name of a file");
-    }
-    if log.is_some_and(|log| is_log(file, log)) {
-        return refuse("is a recorded flight itself, and would be overwritten");
-    }
-    let folder = file
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
-    if !folder.unwrap_or(Path::new(".")).is_dir() {
-        return refuse("its folder does not exist");
-    }
-    Ok(())
 }
 
-/// Whether a file is the log, or lies in the folder of logs and may be one of them.
-fn is_log(file: &Path, log: &Path) -> bool {
-    // Compared as the file system knows them, so that no other spelling overwrites a log.
-    let same = |log: &Path| matches!((log.canonicalize(), file.canonicalize()), (Ok(log), Ok(file)) if log == file);
-    let is_figure = |file: &Path| file.extension().is_some_and(|name| name == "svg");
-    if log.is_dir() {
-        let name = file.file_name().unwrap_or_default();
-        !is_figure(file) && same(&log.join(name))
-    } else {
-        same(log)
-    }
+fn is_figure(file: &Path) -> bool {
+    file.extension().is_some_and(|name| name == "svg")
 }

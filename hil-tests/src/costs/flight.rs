@@ -8,8 +8,8 @@ use super::table::{Cost, Memory};
 use super::{CORE_HZ, SWAP_LIMIT};
 use crate::firmware::Firmware;
 use crate::progress::Progress;
-use crate::replay::{TestBench, open_flight};
-use crate::replay_options::ReplayOptions;
+use crate::replay::options::ReplayOptions;
+use crate::replay::{emulated::TestBench, open_flight};
 use emulated_board::{Elf, Hit, MotorWrite, Observer, Watched};
 
 /// Seconds of the default flight: warm-up, reactive control, dozens of refits.

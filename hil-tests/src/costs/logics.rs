@@ -15,9 +15,9 @@ use super::parts::{Program, at_rest};
 use super::steps::{INPUTS, cases};
 use crate::firmware::Firmware;
 use crate::logics::{LogicName, steps_of};
-use crate::native::fly;
 use crate::progress::Progress;
-use crate::replay_options::ReplayOptions;
+use crate::replay::native::fly;
+use crate::replay::options::ReplayOptions;
 use emulated_board::Elf;
 use recorded_flights::Flight;
 

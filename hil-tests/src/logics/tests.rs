@@ -9,8 +9,8 @@ use reflex_bench::step::Step;
 use reflex_bench::ways::{self, Way};
 
 use super::*;
-use crate::native::fly;
-use crate::replay_options::ReplayOptions;
+use crate::replay::native::fly;
+use crate::replay::options::ReplayOptions;
 use recorded_flights::recordings::flights;
 
 /// A logic in its four ways: time-triggered, ours, callbacks, pointer vector.

@@ -59,19 +59,19 @@ pub(super) struct Burst {
 pub(crate) struct NativeBoard {
     pub(crate) pilot: Autopilot<Calls, AnyLogic>,
     pub(super) agenda: Agenda,
-    pub(super) now_ns: u64,
+    pub(crate) now_ns: u64,
 
     /// What the present event raised, and the firmware's time.
     pub(super) vectors: Vectors,
     pub(super) motors: Outputs,
 
-    pub(super) imu: Wire<Mpu6050>,
+    pub(crate) imu: Wire<Mpu6050>,
     pub(super) imu_bus: I2cBus,
     pub(super) burst: Option<Burst>,
     pub(super) guard: Guard<Sensor>,
 
-    pub(super) accel: Wire<Accelerometer>,
-    pub(super) mag: Wire<Magnetometer>,
+    pub(crate) accel: Wire<Accelerometer>,
+    pub(crate) mag: Wire<Magnetometer>,
     pub(super) spi_time: BusTime,
     pub(super) chips: Lsm303agr<Spi<Accelerometer>, Spi<Magnetometer>>,
     pub(super) fetches: Fetches,
@@ -195,7 +195,7 @@ impl NativeBoard {
     }
 
     /// Everything that was called so far; later calls begin anew.
-    pub(super) fn take_calls(&mut self) -> Vec<Stamped> {
+    pub(crate) fn take_calls(&mut self) -> Vec<Stamped> {
         std::mem::take(&mut self.pilot.recorder().0)
     }
 

@@ -24,7 +24,7 @@ const I2C_BYTE_NS: u64 = 22_500;
 const I2C_CONDITION_NS: u64 = 1_000;
 
 /// What all the models have in common.
-pub(super) trait Model {
+pub(crate) trait Model {
     fn advance(&mut self, now_ns: u64);
     fn next_event(&self) -> u64;
     fn interrupt(&self) -> bool;
@@ -56,13 +56,13 @@ model! {
 }
 
 /// A chip and its interrupt line.
-pub(super) struct Wired<C> {
-    pub(super) chip: C,
+pub(crate) struct Wired<C> {
+    pub(crate) chip: C,
     level: bool,
     /// A rising edge that nobody heard yet.
     risen_ns: Option<u64>,
     /// Every rising edge so far, ns.
-    pub(super) rises: Vec<u64>,
+    pub(crate) rises: Vec<u64>,
 }
 
 impl<C: Model> Wired<C> {
@@ -76,7 +76,7 @@ impl<C: Model> Wired<C> {
 }
 
 /// A chip that its bus and its board share.
-pub(super) struct Wire<C>(Rc<RefCell<Wired<C>>>);
+pub(crate) struct Wire<C>(Rc<RefCell<Wired<C>>>);
 
 impl<C> Clone for Wire<C> {
     fn clone(&self) -> Self {
@@ -96,7 +96,7 @@ impl<C: Model> Wire<C> {
     }
 
     /// Works on the chip and its line; not to be called from within itself.
-    pub(super) fn with<T>(&self, work: impl FnOnce(&mut Wired<C>) -> T) -> T {
+    pub(crate) fn with<T>(&self, work: impl FnOnce(&mut Wired<C>) -> T) -> T {
         work(&mut self.0.borrow_mut())
     }
 

@@ -5,47 +5,31 @@
 //! writes pair off one to one, and each pair must hold the same command.
 
 use anyhow::{Result, bail};
-use reflex::airframe::{period_ticks, ticks};
 use reflex::app::{Call, Ran};
 use reflex::settings::MotorProtocol;
 
+use super::motor_timers::exact_pulse_ns;
 use super::observation::Observation;
 use emulated_board::Line;
-
-/// Timer clocks per microsecond (84 MHz).
-const TIMER_MHZ: u64 = 84;
-
-/// Time between two update events of the motors' timers, ns.
-pub(crate) fn update_period_ns(protocol: MotorProtocol) -> u64 {
-    let (clocks_per_tick, ticks) = period_ticks(protocol);
-    u64::from(clocks_per_tick) * u64::from(ticks) * 1000 / TIMER_MHZ
-}
-
-/// The pulse that the timers make of a share of full scale, ns.
-pub(crate) fn pulse_ns(protocol: MotorProtocol, share: f32) -> u32 {
-    let (clocks_per_tick, _) = period_ticks(protocol);
-    let clocks = u64::from(ticks(protocol, share)) * u64::from(clocks_per_tick);
-    (clocks * 1000 / TIMER_MHZ) as u32
-}
 
 /// A pulse may be this far from the command, in ns: one tick and rounding.
 const PULSE_SLACK_NS: f64 = 60.0;
 
 /// A run with its motor write and the sample it answered.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct AlignedRun {
+pub(crate) struct AlignedRun {
     /// The firmware's stamp of the run, in us.
-    pub(super) at_us: u64,
-    pub(super) ran: Ran,
+    pub(crate) at_us: u64,
+    pub(crate) ran: Ran,
     /// When the motors were written, in ns of the board's time.
-    pub(super) written_ns: u64,
+    pub(crate) written_ns: u64,
     /// When the interrupt of the newest gating sample came, in ns of the board's time.
-    pub(super) interrupt_ns: Option<u64>,
+    pub(crate) interrupt_ns: Option<u64>,
 }
 
 /// The pairs, and how the clocks lie to each other.
 pub(crate) struct Alignment {
-    pub(super) runs: Vec<AlignedRun>,
+    pub(crate) runs: Vec<AlignedRun>,
     /// The board's time at which the firmware's clock stood at zero, in us.
     clock_start_us: f64,
 }
@@ -104,12 +88,12 @@ impl Alignment {
     }
 
     /// The firmware's clock at an instant of the board's time, in us.
-    pub(super) fn clock_us(&self, board_ns: u64) -> u64 {
+    pub(crate) fn clock_us(&self, board_ns: u64) -> u64 {
         (board_ns as f64 * 1e-3 - self.clock_start_us).max(0.0) as u64
     }
 
     /// The board's time at an instant of the firmware's clock, in ns.
-    pub(super) fn board_ns(&self, clock_us: u64) -> u64 {
+    pub(crate) fn board_ns(&self, clock_us: u64) -> u64 {
         ((clock_us as f64 + self.clock_start_us) * 1e3).max(0.0) as u64
     }
 }
@@ -174,10 +158,8 @@ fn surplus(
 }
 
 fn holds(ran: &Ran, pulses: &[u32], protocol: MotorProtocol) -> bool {
-    let (clocks_per_tick, _) = period_ticks(protocol);
-    let ns_per_tick = f64::from(clocks_per_tick) * 1e3 / TIMER_MHZ as f64;
     ran.shares.iter().zip(pulses).all(|(share, pulse)| {
-        let wanted = f64::from(ticks(protocol, *share)) * ns_per_tick;
+        let wanted = exact_pulse_ns(protocol, *share);
         (wanted - f64::from(*pulse)).abs() <= PULSE_SLACK_NS
     })
 }

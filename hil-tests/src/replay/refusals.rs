@@ -1,14 +1,14 @@
 //! Refusals that only the flight itself can show, before anything is built or run.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Result, bail};
 use reflex::config::SHORTEST_WARM_UP;
 use reflex::settings::{Policy, WarmUp};
 
+use super::options::ReplayOptions;
+use crate::output_file::OutputFile;
 use crate::refusal::Refusal;
-use crate::replay_options::ReplayOptions;
 use recorded_flights::Flight;
 
 /// The longest gap, in s, that is bridged: beyond it there are two flights, or a broken stamp.
@@ -23,10 +23,14 @@ const LARGEST_TILT: f64 = 60.0;
 /// Refuses a flight that cannot be replayed with these options.
 pub(crate) fn check(options: &ReplayOptions, flight: &Flight, path: &Path) -> Result<()> {
     check_flight(options, flight, &path.display().to_string())?;
-    match &options.defmt {
-        Some(defmt) => check_defmt(defmt, path),
-        None => Ok(()),
+    if let Some(defmt) = &options.defmt {
+        let defmt = OutputFile::new("defmt", defmt);
+        defmt.check_is_not(path)?;
+        if defmt.is_pipe() {
+            bail!(defmt.refusal("is a pipe, must be a file"));
+        }
     }
+    Ok(())
 }
 
 /// As [`check`], where the flight is all there is; `name` is what the refusal calls it.
@@ -78,47 +82,6 @@ fn tilted(flight: &Flight) -> Option<String> {
              is --rotate right?"
         )
     })
-}
-
-fn check_defmt(defmt: &Path, path: &Path) -> Result<()> {
-    let refuse = |reason: &str| {
-        let line = format!("--defmt {}: {reason}", defmt.display());
-        Err(Refusal::new(line).into())
-    };
-    let Ok(there) = fs::metadata(defmt) else {
-        return Ok(());
-    };
-    if is_same(&there, &fs::metadata(path)?) {
-        return refuse("is the recorded flight itself, and would overwrite it");
-    }
-    if is_pipe(&there) {
-        return refuse("is a pipe, must be a file");
-    }
-    Ok(())
-}
-
-/// One file under two names is one file.
-#[cfg(unix)]
-fn is_same(a: &fs::Metadata, b: &fs::Metadata) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    (a.dev(), a.ino()) == (b.dev(), b.ino())
-}
-
-/// Other systems do not tell: the paths were compared.
-#[cfg(not(unix))]
-fn is_same(_: &fs::Metadata, _: &fs::Metadata) -> bool {
-    false
-}
-
-#[cfg(unix)]
-fn is_pipe(file: &fs::Metadata) -> bool {
-    use std::os::unix::fs::FileTypeExt;
-    file.file_type().is_fifo()
-}
-
-#[cfg(not(unix))]
-fn is_pipe(_: &fs::Metadata) -> bool {
-    false
 }
 
 #[cfg(test)]

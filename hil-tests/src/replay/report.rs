@@ -1,7 +1,7 @@
-//! What the report says around the score, as far as both tiers know it.
+//! The report of a run beside its score, as far as both tiers know it.
 //!
-//! Options, sensors and faults are told the same way whoever played the board. What only an
-//! emulated processor shows (`board_about`) is null here, and stays so in the native tier.
+//! Options, sensors and faults are reported in the same way for both tiers. What only an emulated
+//! processor shows is null here; the emulated tier adds it.
 
 use std::collections::BTreeMap;
 
@@ -9,9 +9,11 @@ use reflex::app::{Call, ChipAction, ChipSetting, Fault, Outcome, Ran, Reason};
 use reflex::reactive::{Fit, Phase};
 use reflex::sensors::{Cause, Input};
 
-use super::story::Story;
-use crate::replay_options::ReplayOptions;
-use crate::scoring::{self, Gap, ModelState, Options, Sensor, SetpointSource, Tier, latencies};
+use super::options::ReplayOptions;
+use super::timeline::Timeline;
+use crate::scoring::{
+    Gap, ModelState, Options, RunReport, Sensor, SetpointSource, Tier, latencies,
+};
 use emulated_board::Line;
 use recorded_flights::{Flight, Setpoints};
 
@@ -23,8 +25,8 @@ pub(crate) struct SampleCount {
     pub(crate) mag: u64,
 }
 
-/// What was seen of the chips, in ns of the board's time.
-pub(crate) struct Seen<'r> {
+/// What was observed of the chips, in ns of the board's time.
+pub(crate) struct ChipEvidence<'r> {
     /// When what is scored begins.
     pub(crate) from_ns: u64,
     /// Rising edges of each line.
@@ -34,28 +36,28 @@ pub(crate) struct Seen<'r> {
     pub(crate) chip_thresholds: [Option<u32>; 2],
 }
 
-/// Everything that the report is told from.
-pub(crate) struct Known<'r, 'c> {
+/// Everything that the report is made from.
+pub(crate) struct Evidence<'r, 'c> {
     pub(crate) options: &'r ReplayOptions,
     pub(crate) flight: &'r Flight,
     pub(crate) setpoints: &'r Setpoints,
-    pub(crate) story: &'r Story<'c>,
+    pub(crate) timeline: &'r Timeline<'c>,
     /// Runs with their stamps, as far as the tier saw them through.
     pub(crate) runs: &'r [(u64, Ran)],
-    pub(crate) seen: Seen<'r>,
+    pub(crate) chips: ChipEvidence<'r>,
 }
 
 /// The end of the warm-up on the firmware's clock (us); the replay's end where it lasts.
-pub(crate) fn scored_from_us(story: &Story<'_>) -> u64 {
-    let flight = &story.flight;
+pub(crate) fn scored_from_us(timeline: &Timeline<'_>) -> u64 {
+    let flight = &timeline.flight;
     flight.warm_up_end_us().unwrap_or(flight.last_us())
 }
 
-impl Known<'_, '_> {
+impl Evidence<'_, '_> {
     /// What both tiers know; what only a processor shows is null.
-    pub(crate) fn tell(&self, tier: Tier, digest: String) -> scoring::About {
+    pub(crate) fn report(&self, tier: Tier, digest: String) -> RunReport {
         let log = self.options.log.as_ref();
-        scoring::About {
+        RunReport {
             log: log.map_or_else(|| self.flight.name.clone(), |log| log.display().to_string()),
             tier,
             policy: self.options.settings.policy.word().into(),
@@ -68,7 +70,7 @@ impl Known<'_, '_> {
             gaps: self.gaps(),
             firmware: None,
             sensors: Input::ALL.map(|input| self.sensor(input)).into(),
-            latency_us: latencies(&self.story.flight, &[]),
+            latency_us: latencies(&self.timeline.flight, &[]),
             latency_parts_us: Vec::new(),
             cpu: None,
             board: None,
@@ -94,23 +96,23 @@ impl Known<'_, '_> {
     }
 
     fn sensor(&self, input: Input) -> Sensor {
-        let seen = &self.seen;
+        let chips = &self.chips;
         let since =
-            |edges: &[u64]| (edges.len() - edges.partition_point(|at| *at <= seen.from_ns)) as u64;
+            |edges: &[u64]| (edges.len() - edges.partition_point(|at| *at <= chips.from_ns)) as u64;
         let line = match input {
             Input::Gyro | Input::Accel | Input::Turned | Input::Command => Line::ImuReady,
             Input::ChipAccel => Line::AccelThreshold,
             Input::ChipMag => Line::MagEvent,
         };
-        let interrupts = since(seen.edges[line.pin() as usize]);
+        let interrupts = since(chips.edges[line.pin() as usize]);
         let samples = match input {
             // Every sample of the MPU6050 pulses its line.
             Input::Gyro | Input::Accel | Input::Turned | Input::Command => interrupts,
-            Input::ChipAccel => samples_since(seen.samples, seen.from_ns, |count| count.accel),
-            Input::ChipMag => samples_since(seen.samples, seen.from_ns, |count| count.mag),
+            Input::ChipAccel => samples_since(chips.samples, chips.from_ns, |count| count.accel),
+            Input::ChipMag => samples_since(chips.samples, chips.from_ns, |count| count.mag),
         };
         let present = input != Input::ChipMag || self.flight.mag.is_some();
-        let fit = self.story.mirror.fit(input);
+        let fit = self.timeline.mirror.autopilot().fit(input);
         // Commands are shares of full scale in the firmware.
         let unit = match input {
             Input::Command => self.options.settings.quantum,
@@ -127,7 +129,8 @@ impl Known<'_, '_> {
             interrupts,
             triggers: self.triggers(input),
             state: self.state(fit, present),
-            threshold: model.map(|_| short(self.story.mirror.threshold(input) / unit)),
+            threshold: model
+                .map(|_| short(self.timeline.mirror.autopilot().threshold(input) / unit)),
             unit: match input {
                 Input::Command => "quanta",
                 Input::Turned => "rad",
@@ -138,8 +141,8 @@ impl Known<'_, '_> {
             .into(),
             chip_threshold: match input {
                 Input::Gyro | Input::Accel | Input::Turned | Input::Command => None,
-                Input::ChipAccel => seen.chip_thresholds[0],
-                Input::ChipMag => seen.chip_thresholds[1],
+                Input::ChipAccel => chips.chip_thresholds[0],
+                Input::ChipMag => chips.chip_thresholds[1],
             },
             chip_thresholds_set: self.count_calls(|call| match call {
                 Call::OrderDone(order, Ok(ChipSetting::PastThreshold { .. })) => {
@@ -159,7 +162,7 @@ impl Known<'_, '_> {
 
     /// Runs that an input asked for, alone or with others, in what is scored.
     fn triggers(&self, input: Input) -> u64 {
-        let from_us = scored_from_us(self.story);
+        let from_us = scored_from_us(self.timeline);
         let scored = self.runs.iter().filter(|(at_us, _)| *at_us > from_us);
         scored
             .filter(|(_, ran)| ran.reason == Reason::Trigger)
@@ -168,12 +171,12 @@ impl Known<'_, '_> {
     }
 
     fn count_calls(&self, of: impl Fn(&Call) -> bool) -> u64 {
-        let calls = self.story.calls.iter();
+        let calls = self.timeline.calls.iter();
         calls.filter(|stamped| of(&stamped.call)).count() as u64
     }
 
     fn state(&self, fit: Fit, present: bool) -> ModelState {
-        let learning = self.story.mirror.telemetry().phase != Phase::Reactive;
+        let learning = self.timeline.mirror.autopilot().telemetry().phase != Phase::Reactive;
         match fit {
             _ if !present => ModelState::Absent,
             Fit::Model(_) => ModelState::Fit,
@@ -189,16 +192,19 @@ impl Known<'_, '_> {
             .map(|fault| {
                 (
                     snake_case(&format!("{fault:?}")),
-                    self.story.mirror.faults(*fault).into(),
+                    self.timeline.mirror.autopilot().faults(*fault).into(),
                 )
             })
             .collect();
         counters.extend(Outcome::ALL.iter().map(|outcome| {
             let name = snake_case(&format!("Runs{outcome:?}"));
-            (name, self.story.mirror.outcomes(*outcome).into())
+            (
+                name,
+                self.timeline.mirror.autopilot().outcomes(*outcome).into(),
+            )
         }));
         counters.extend(
-            self.story
+            self.timeline
                 .fallbacks_by_reason
                 .iter()
                 .map(|(reason, count)| {
@@ -209,8 +215,8 @@ impl Known<'_, '_> {
                 }),
         );
         counters.extend([
-            ("fallbacks".into(), self.story.fallbacks),
-            ("calls".into(), self.story.calls.len() as u64),
+            ("fallbacks".into(), self.timeline.fallbacks),
+            ("calls".into(), self.timeline.calls.len() as u64),
         ]);
         counters
     }
@@ -228,7 +234,7 @@ pub(crate) fn options_in_effect(options: &ReplayOptions, rotate: String) -> Opti
 }
 
 /// A float as it was written, without the digits that its binary form adds.
-pub(crate) fn short(value: f32) -> f64 {
+fn short(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }
 

@@ -1,23 +1,23 @@
-//! A replay's calls told again: reference, mirror, and the scored flight.
+//! A replay's calls made again, in order of time: reference, mirror, and the scored flight.
 //!
 //! The *reference* is a second autopilot that runs at every gating sample of the same flight,
 //! with its own state: when the firmware ran behind that sample, so that both know of the same
-//! messages, else at the sample itself. The *mirror* makes the firmware's very calls and must come to the
-//! firmware's very commands, bit for bit.
+//! messages, else at the sample itself. The *mirror* makes the firmware's very calls and must
+//! compute the firmware's very commands, bit for bit.
 
-use anyhow::{Result, bail};
-use reflex::app::{Autopilot, Call, Next, Ran, Reason, Recorder, Stamped};
+use anyhow::Result;
+use reflex::app::{Autopilot, Call, Next, Reason, Stamped};
 use reflex::config::{ARMED_MINIMUM, HYPERPERIOD, MOTORS};
 use reflex::reactive::{FallbackReason, Phase};
-use reflex::sensors::Inputs;
 use reflex::settings::{Policy, Settings};
 use reflex::time::Instant;
 
 use crate::logics::{AnyLogic, LogicName};
-use crate::scoring::{Command, Flight, Held, Rules, Run};
+use crate::record::Mirror;
+use crate::scoring::{Command, Flight, Held, Rules, Run, Score, score};
 
-/// What the calls amount to.
-pub(crate) struct Story<'c> {
+/// A replay as its calls show it.
+pub(crate) struct Timeline<'c> {
     pub(crate) calls: &'c [Stamped],
     settings: Settings,
     logic: LogicName,
@@ -27,7 +27,7 @@ pub(crate) struct Story<'c> {
     ends: Vec<usize>,
     /// For each call, whether it is a sample behind which the hyperperiod's task ran.
     answered: Vec<bool>,
-    pub(crate) mirror: Autopilot<LastRan, AnyLogic>,
+    pub(crate) mirror: Mirror,
     /// Runs with motors that may turn.
     pub(crate) runs_in_the_air: u64,
     /// Times that reactive control was left for a fallback.
@@ -36,46 +36,6 @@ pub(crate) struct Story<'c> {
     pub(crate) fallbacks_by_reason: [(FallbackReason, u64); FallbackReason::ALL.len()],
     /// The firmware's clock at the first end of a hyperperiod, in us.
     pub(crate) first_hyperperiod_us: Option<u64>,
-}
-
-/// Keeps the newest outcome.
-#[derive(Default)]
-pub(crate) struct LastRan(Option<(Instant, Ran)>);
-
-impl LastRan {
-    /// The same calls must have come to the same bits on the host.
-    pub(crate) fn check(&mut self, at: Instant, firmware: &Ran) -> Result<()> {
-        let host = self.0.take();
-        let is_same =
-            |(host_at, host): (Instant, Ran)| host_at == at && bits(&host) == bits(firmware);
-        if host.is_some_and(is_same) {
-            return Ok(());
-        }
-        let seconds = at.ticks() as f64 * 1e-6;
-        bail!(
-            "the same calls gave another command on the host, at {seconds:.6} s of the \
-             firmware's clock: firmware {firmware:?}, host {host:?}"
-        )
-    }
-}
-
-/// A run to the letter: unlike `==`, zeros of different signs differ, and NaN is itself.
-fn bits(ran: &Ran) -> (Reason, Inputs, Option<u32>, [u32; MOTORS]) {
-    let expected = ran.expected.map(f32::to_bits);
-    (
-        ran.reason,
-        ran.asked,
-        expected,
-        ran.shares.map(f32::to_bits),
-    )
-}
-
-impl Recorder for LastRan {
-    fn record(&mut self, at: Instant, call: &Call) {
-        if let Call::Ran(ran) = call {
-            self.0 = Some((at, *ran));
-        }
-    }
 }
 
 /// The command that the motors held at an instant of the firmware's clock.
@@ -97,14 +57,17 @@ struct Open {
     run: Option<Run>,
 }
 
-impl<'c> Story<'c> {
+impl<'c> Timeline<'c> {
     /// Makes the calls again; hyperperiods count from `start_us` of the firmware's clock.
-    pub(crate) fn tell(
+    ///
+    /// # Errors
+    /// The firmware computed other bits than the host.
+    pub(crate) fn of(
         calls: &'c [Stamped],
         (settings, logic): (Settings, LogicName),
         start_us: u64,
     ) -> Result<Self> {
-        let mut story = Self {
+        let mut timeline = Self {
             calls,
             settings,
             logic,
@@ -112,17 +75,17 @@ impl<'c> Story<'c> {
             flight: Flight::new(start_us, held_at(calls, start_us)),
             ends: Vec::new(),
             answered: answered(calls),
-            mirror: Autopilot::with_logic(settings, LastRan::default(), logic.logic()),
+            mirror: Mirror::new(settings, logic),
             runs_in_the_air: 0,
             fallbacks: 0,
             fallbacks_by_reason: FallbackReason::ALL.map(|reason| (reason, 0)),
             first_hyperperiod_us: None,
         };
         if settings.policy != Policy::Reactive {
-            story.flight.end_warm_up(start_us);
+            timeline.flight.end_warm_up(start_us);
         }
-        story.walk()?;
-        Ok(story)
+        timeline.walk()?;
+        Ok(timeline)
     }
 
     fn walk(&mut self) -> Result<()> {
@@ -132,7 +95,7 @@ impl<'c> Story<'c> {
         let mut phase = Phase::Ground;
         for (place, stamped) in self.calls.iter().enumerate() {
             let at_us = stamped.at.ticks();
-            stamped.call.replay(stamped.at, &mut self.mirror);
+            self.mirror.take(stamped)?;
             phase = self.notice_phase(phase, at_us);
             let ended = reference.take(stamped);
             match stamped.call {
@@ -153,7 +116,6 @@ impl<'c> Story<'c> {
                     reference.run(stamped.at);
                 }
                 Call::Ran(ran) => {
-                    self.mirror.recorder().check(stamped.at, &ran)?;
                     // Only in reactive control does a change that is seen ask for anything.
                     let asked = !ran.asked.is_empty() && phase == Phase::Reactive;
                     let run = Run {
@@ -172,7 +134,7 @@ impl<'c> Story<'c> {
     }
 
     fn notice_phase(&mut self, before: Phase, at_us: u64) -> Phase {
-        let phase = self.mirror.telemetry().phase;
+        let phase = self.mirror.autopilot().telemetry().phase;
         if phase == Phase::Reactive {
             self.flight.end_warm_up(at_us);
         }
@@ -218,8 +180,14 @@ impl<'c> Story<'c> {
         }
     }
 
-    /// How this flight is judged.
-    pub(crate) fn rules(&self) -> Rules {
+    /// Judges the flight, and periodic control on the same flight.
+    pub(crate) fn score(&self) -> Score {
+        score(&self.flight, &self.rules(), |rate_hz| {
+            self.fly_periodic(rate_hz)
+        })
+    }
+
+    fn rules(&self) -> Rules {
         Rules {
             quantum: self.settings.quantum,
             failsafe_us: self.settings.failsafe.ticks(),
@@ -232,7 +200,7 @@ impl<'c> Story<'c> {
     ///
     /// Through the warm-up it runs at every gating sample, as the policy it is compared with
     /// did: both enter the scored part with the same control state.
-    pub(crate) fn fly_periodic(&self, rate_hz: f64) -> Vec<Held> {
+    fn fly_periodic(&self, rate_hz: f64) -> Vec<Held> {
         let mut native = Native::new(self.settings, self.logic);
         let warm_up_end = self.flight.warm_up_end_us().unwrap_or(u64::MAX);
         let period_us = (1e6 / rate_hz).min(self.settings.failsafe.ticks() as f64);

@@ -36,7 +36,7 @@ pub use oracle::{Oracle, OracleEqual};
 pub use periodic::{Held, PeriodicEqual};
 pub use reason::ByReason;
 pub use report::{
-    About, BoardTime, Cpu, Firmware, Gap, LatencyPart, ModelState, Options, Report, Sensor,
+    BoardTime, Cpu, Firmware, Gap, LatencyPart, ModelState, Options, Report, RunReport, Sensor,
     SetpointSource, Tier,
 };
 pub use rules::{MOST_SATURATED, Rules};

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 pub struct Report {
     /// What was replayed, how, and on what.
     #[serde(flatten)]
-    pub about: About,
+    pub run: RunReport,
     /// What came of it.
     #[serde(flatten)]
     pub score: Score,
@@ -21,7 +21,7 @@ pub struct Report {
 
 /// What was replayed, how, and on what; and what the board showed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct About {
+pub struct RunReport {
     /// The log's path as it was given.
     pub log: String,
     /// Who played the board.

@@ -5,7 +5,7 @@ use reflex::time::Duration;
 
 use super::Score;
 use super::deviation::rate;
-use super::report::{About, LatencyPart, Report, Sensor, Tier};
+use super::report::{LatencyPart, Report, RunReport, Sensor, Tier};
 use super::rules::MOST_SATURATED;
 use super::section::Window;
 use super::table::Table;
@@ -15,17 +15,17 @@ use super::table::Table;
 /// A dash stands for what has no value.
 #[must_use]
 pub fn summary(report: &Report) -> String {
-    let Report { about, score } = report;
+    let Report { run, score } = report;
     let parts = [
-        flown(about, score),
-        sensors(&about.sensors),
-        runs(about, score),
-        latency_parts(&about.latency_parts_us),
+        flown(run, score),
+        sensors(&run.sensors),
+        runs(run, score),
+        latency_parts(&run.latency_parts_us),
         decisions(score),
-        commands(about, score),
+        commands(run, score),
         windows(&score.windows),
-        board(about),
-        verdict(about, score),
+        board(run),
+        verdict(run, score),
     ];
     let present: Vec<&str> = parts
         .iter()
@@ -40,12 +40,12 @@ fn seconds(span: Duration) -> f64 {
     span.ticks() as f64 / 1e6
 }
 
-fn flown(about: &About, score: &Score) -> String {
-    let options = &about.options;
+fn flown(run: &RunReport, score: &Score) -> String {
+    let options = &run.options;
     let settings = &options.settings;
     let when = match settings.policy {
-        Policy::Periodic => format!("{} at {} Hz", about.policy, 1.0 / seconds(settings.period)),
-        Policy::Reactive => format!("{}, P_run {}", about.policy, settings.p_run),
+        Policy::Periodic => format!("{} at {} Hz", run.policy, 1.0 / seconds(settings.period)),
+        Policy::Reactive => format!("{}, P_run {}", run.policy, settings.p_run),
     };
     let warm_up = if score.warm_up.ended {
         "warm-up"
@@ -54,25 +54,25 @@ fn flown(about: &About, score: &Score) -> String {
     };
     let mut text = format!(
         "{}: {:.1} s, of these {:.1} s {warm_up}, then {} hyperperiods\n",
-        about.log, score.duration_s, score.warm_up_s, score.hyperperiods
+        run.log, score.duration_s, score.warm_up_s, score.hyperperiods
     );
     text += &format!(
         "policy {when}, reference {}, failsafe {} s, quantum {:.5} of full scale, seed {}\n",
         settings.reference.word(),
         seconds(settings.failsafe),
         settings.quantum,
-        about.seed
+        run.seed
     );
     text += &format!(
         "setpoint {}, rotation {}, noise {}, motors {}\n",
-        about.setpoint.name(),
+        run.setpoint.name(),
         options.rotate,
         options.noise,
         settings.motors.word()
     );
-    if !about.gaps.is_empty() {
-        let lost_s: f64 = about.gaps.iter().map(|gap| gap.length_s).sum();
-        let count = about.gaps.len();
+    if !run.gaps.is_empty() {
+        let lost_s: f64 = run.gaps.iter().map(|gap| gap.length_s).sum();
+        let count = run.gaps.len();
         text += &format!("gaps in the log: {count}, {lost_s:.3} s together\n");
     }
     text
@@ -109,7 +109,7 @@ fn sensors(sensors: &[Sensor]) -> String {
     table.to_string()
 }
 
-fn runs(about: &About, score: &Score) -> String {
+fn runs(run: &RunReport, score: &Score) -> String {
     let length_s = score.duration_s - score.warm_up_s;
     let control = &score.section.control;
     let header = [
@@ -121,7 +121,7 @@ fn runs(about: &About, score: &Score) -> String {
         "max us",
     ];
     let mut table = Table::new(header);
-    let latencies = about.latency_us.named();
+    let latencies = run.latency_us.named();
     for ((name, runs), (_, latency)) in control.by_reason.named().iter().zip(latencies) {
         if **runs > 0 {
             table.row([
@@ -190,7 +190,7 @@ fn decisions(score: &Score) -> String {
     )
 }
 
-fn commands(about: &About, score: &Score) -> String {
+fn commands(run: &RunReport, score: &Score) -> String {
     let own = &score.section.actuators;
     let (periodic, ideal) = (&score.periodic_equal, &score.periodic_ideal);
     let (oracle, equal) = (&score.oracle, &score.oracle_equal);
@@ -202,7 +202,7 @@ fn commands(about: &About, score: &Score) -> String {
     let runs = score.section.control.runs;
     let with_state = "  with the reference's state";
     row(
-        &about.policy,
+        &run.policy,
         runs,
         own.stale_fraction,
         own.rms_deviation_quanta,
@@ -267,29 +267,29 @@ fn windows(windows: &[Window]) -> String {
     table.to_string()
 }
 
-fn board(about: &About) -> String {
+fn board(run: &RunReport) -> String {
     let mut text = String::new();
-    if about.tier == Tier::Native {
+    if run.tier == Tier::Native {
         text += "native: no processor, so neither load nor latency is known\n";
     }
-    if let Some(cpu) = &about.cpu {
+    if let Some(cpu) = &run.cpu {
         text += &format!(
             "processor {} % busy, {} instructions a run\n",
             number(percent(cpu.busy_fraction), 1),
             number(cpu.instructions_per_run, 0)
         );
     }
-    if let Some(firmware) = &about.firmware {
+    if let Some(firmware) = &run.firmware {
         text += &format!(
             "flash {} bytes, RAM {} bytes and {} bytes of stack\n",
             firmware.flash_bytes, firmware.ram_bytes, firmware.stack_bytes
         );
     }
-    text + &format!("motor writes {}\n", about.digest)
+    text + &format!("motor writes {}\n", run.digest)
 }
 
 /// One line: what the flight says about the policy, or why it says nothing.
-fn verdict(about: &About, score: &Score) -> String {
+fn verdict(run: &RunReport, score: &Score) -> String {
     let own = &score.section.actuators;
     let Some(saturated) = own.saturated_fraction else {
         return "verdict: not scored, no hyperperiod came after warm-up\n".to_owned();
@@ -316,7 +316,7 @@ fn verdict(about: &About, score: &Score) -> String {
     };
     format!(
         "verdict: {} strayed {} quanta; at equal runs: {}, {}\n",
-        about.policy,
+        run.policy,
         number(own.rms_deviation_quanta, 3),
         beside(
             "periodic control",

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::SweepOptions;
 use crate::progress::Progress;
 use crate::refusal::Refusal;
-use crate::replay::{open_flight, sense};
+use crate::replay::{open_flight, refusals};
 use recorded_flights::{Flight, FlightError};
 
 /// A flight with the path that it was read from.
@@ -124,6 +124,6 @@ fn open_one(options: &SweepOptions, path: &Path) -> Result<Log> {
         return Err(Refusal::new("is a folder, and folders in folders are not searched").into());
     }
     let flight = Flight::read(path, options.replay.rotate)?;
-    sense::check_flight(&options.replay, &flight, &name)?;
+    refusals::check_flight(&options.replay, &flight, &name)?;
     Ok(Log { name, flight })
 }

@@ -21,9 +21,9 @@ use std::sync::mpsc;
 use anyhow::{Context, Result};
 use reflex::settings::Settings;
 
-use crate::native;
 use crate::progress::Progress;
-use crate::replay_options::ReplayOptions;
+use crate::replay::native;
+use crate::replay::options::ReplayOptions;
 use crate::scoring::Score;
 
 pub use chart::trade_curves;

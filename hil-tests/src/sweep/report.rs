@@ -9,7 +9,7 @@ use super::SweepOptions;
 use super::grid::{Grid, Parameter};
 use super::logs::{Log, Skipped};
 use super::outcome::Outcome;
-use crate::replay::about::options_in_effect;
+use crate::replay::options_in_effect;
 use crate::scoring::Score;
 
 /// The report, one JSON object.

@@ -8,9 +8,9 @@ use tempfile::TempDir;
 
 use super::*;
 use crate::commands::grid_of;
-use crate::native::tests::log_of_gusts;
 use crate::progress::Silent;
 use crate::refusal::Refusal;
+use crate::replay::native::tests::log_of_gusts;
 use recorded_flights::{FlightError, Rotate, Rotation};
 
 fn options(log: &Path, grid: &str) -> SweepOptions {

@@ -15,8 +15,8 @@ use reflex::settings::Settings;
 use super::maximum_likelihood::Sample;
 use super::recorded::settings;
 use super::tap::{Lessons, tap};
-use hil_tests::native::fly;
-use hil_tests::replay_options::ReplayOptions;
+use hil_tests::replay::native::fly;
+use hil_tests::replay::options::ReplayOptions;
 use recorded_flights::Flight;
 use recorded_flights::recordings::flights;
 

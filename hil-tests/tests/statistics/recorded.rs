@@ -5,8 +5,8 @@ use reflex::settings::Settings;
 
 use super::comparison::{Outcome, compare};
 use super::tap::tap;
-use hil_tests::native::fly;
-use hil_tests::replay_options::ReplayOptions;
+use hil_tests::replay::native::fly;
+use hil_tests::replay::options::ReplayOptions;
 use recorded_flights::recordings::flights;
 
 /// The triggers that make each of the leading inputs lead.

@@ -73,8 +73,8 @@ a.csv b.csv | a.csv and b.csv: one log at a time
 --sweep p-run=0.2..0.9 --svg src | --svg src: is a folder
 --sweep p-run=0.2..0.9 --svg nowhere/a.svg | --svg nowhere/a.svg: its folder does not exist
 --sweep p-run=0.2..0.9 --svg - | --svg -: must be the name of a file
---sweep p-run=0.2..0.9 Cargo.toml --svg ./src/../Cargo.toml | is a recorded flight itself
---sweep p-run=0.2..0.9 . --svg Cargo.toml | is a recorded flight itself
+--sweep p-run=0.2..0.9 Cargo.toml --svg ./src/../Cargo.toml | is the recorded flight itself
+--sweep p-run=0.2..0.9 . --svg Cargo.toml | is the recorded flight itself
 --svg a.svg | --svg a.svg: only a sweep is drawn, add --sweep
 --native src | src: is a folder, name one log, or add --sweep
 Cargo.toml --defmt ./src/../Cargo.toml | is the recorded flight itself

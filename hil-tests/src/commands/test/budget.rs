@@ -6,8 +6,8 @@ use serde::Deserialize;
 
 use crate::logics::LogicName;
 use crate::progress::Progress;
-use crate::replay::replay;
-use crate::replay_options::ReplayOptions;
+use crate::replay::emulated::replay;
+use crate::replay::options::ReplayOptions;
 use crate::scoring::Firmware;
 use crate::toolchain;
 
@@ -36,7 +36,7 @@ pub(super) fn check(progress: &mut dyn Progress) -> Result<()> {
             ..ReplayOptions::default()
         };
         let report = replay(&options, progress)?;
-        let firmware = report.about.firmware.context("no firmware was replayed")?;
+        let firmware = report.run.firmware.context("no firmware was replayed")?;
         let compared = budget.compare(&firmware);
         compared.with_context(|| format!("with the control logic {}", logic.word()))?;
     }

@@ -3,8 +3,7 @@
 use reflex::app::Reason;
 use reflex::sensors::Inputs;
 
-use super::alignment::AlignedRun;
-use super::observation::Observation;
+use crate::record::{AlignedRun, Observation};
 use crate::scoring::{LatencyPart, LatencySample, Quantiles};
 
 /// Longer than this (ns) a write belongs to no hyperperiod's handler: the failsafe has its own.

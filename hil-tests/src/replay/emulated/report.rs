@@ -4,20 +4,20 @@ use std::collections::BTreeMap;
 
 use reflex::app::Ran;
 
-use super::about::{Known, Seen, scored_from_us};
-use super::alignment::{AlignedRun, Alignment};
-use super::bench::{TestBench, held};
 use super::latency;
-use super::observation::Observation;
-use super::story::Story;
+use super::test_bench::{TestBench, held};
 use crate::firmware::Firmware;
-use crate::replay_options::ReplayOptions;
-use crate::scoring::{self, BoardTime, Cpu, MotorDigest, Tier, latencies};
+use crate::record::Observation;
+use crate::record::{AlignedRun, Alignment};
+use crate::replay::options::ReplayOptions;
+use crate::replay::report::{ChipEvidence, Evidence, scored_from_us};
+use crate::replay::timeline::Timeline;
+use crate::scoring::{self, BoardTime, Cpu, MotorDigest, RunReport, Tier, latencies};
 use emulated_board::Outcome;
 use recorded_flights::Flight;
 
-/// Everything that the report of an emulated replay is told from.
-pub(super) struct BoardAbout<'r, 'c> {
+/// Everything that the report of an emulated replay is made from.
+pub(super) struct BoardEvidence<'r, 'c> {
     pub(super) options: &'r ReplayOptions,
     pub(super) flight: &'r Flight,
     pub(super) firmware: &'r Firmware,
@@ -25,20 +25,20 @@ pub(super) struct BoardAbout<'r, 'c> {
     pub(super) observation: &'r Observation,
     pub(super) outcome: &'r Outcome,
     pub(super) alignment: &'r Alignment,
-    pub(super) story: &'r Story<'c>,
+    pub(super) timeline: &'r Timeline<'c>,
 }
 
-impl BoardAbout<'_, '_> {
-    pub(super) fn tell(&self) -> scoring::About {
+impl BoardEvidence<'_, '_> {
+    pub(super) fn report(&self) -> RunReport {
         let aligned = self.alignment.runs.iter();
         let runs: Vec<(u64, Ran)> = aligned.map(|run| (run.at_us, run.ran)).collect();
-        let known = Known {
+        let evidence = Evidence {
             options: self.options,
             flight: self.flight,
             setpoints: &self.bench.setpoints,
-            story: self.story,
+            timeline: self.timeline,
             runs: &runs,
-            seen: Seen {
+            chips: ChipEvidence {
                 from_ns: self.scored_from_ns(),
                 edges: self.observation.edges.each_ref().map(Vec::as_slice),
                 samples: &self.bench.samples,
@@ -48,34 +48,37 @@ impl BoardAbout<'_, '_> {
                 ],
             },
         };
-        let known = known.tell(Tier::Emulated, self.digest());
-        scoring::About {
+        let report = evidence.report(Tier::Emulated, self.digest());
+        RunReport {
             firmware: Some(scoring::Firmware {
                 flash_bytes: self.firmware.sizes.flash_bytes.into(),
                 ram_bytes: self.firmware.sizes.ram_bytes.into(),
                 stack_bytes: self.outcome.stack.used.into(),
             }),
-            latency_us: latencies(&self.story.flight, &latency::samples(&self.alignment.runs)),
+            latency_us: latencies(
+                &self.timeline.flight,
+                &latency::samples(&self.alignment.runs),
+            ),
             latency_parts_us: latency::parts(self.observation, self.scored_runs()),
             cpu: Some(self.cpu()),
             board: Some(BoardTime {
                 virtual_s: self.outcome.ended_ns as f64 * 1e-9,
                 start_up_s: self
-                    .story
+                    .timeline
                     .first_hyperperiod_us
                     .map_or(0.0, |at| self.alignment.board_ns(at) as f64 * 1e-9),
             }),
-            counters: self.counters(known.counters),
-            ..known
+            counters: self.counters(report.counters),
+            ..report
         }
     }
 
     fn scored_from_ns(&self) -> u64 {
-        self.alignment.board_ns(scored_from_us(self.story))
+        self.alignment.board_ns(scored_from_us(self.timeline))
     }
 
     fn scored_runs(&self) -> impl Iterator<Item = &AlignedRun> {
-        let from = scored_from_us(self.story);
+        let from = scored_from_us(self.timeline);
         self.alignment
             .runs
             .iter()
@@ -90,7 +93,7 @@ impl BoardAbout<'_, '_> {
             .collect();
         let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
         Cpu {
-            busy_fraction: (!self.story.flight.steps().is_empty())
+            busy_fraction: (!self.timeline.flight.steps().is_empty())
                 .then(|| self.outcome.load.busy_fraction(from_ns)),
             instructions_per_run: (!lengths.is_empty()).then_some(mean),
         }

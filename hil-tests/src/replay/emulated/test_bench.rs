@@ -4,12 +4,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::Result;
 
-use super::about::SampleCount;
-use super::observation::Observation;
-use super::{chip_options, length_ns};
 use crate::firmware::Firmware;
 use crate::progress::Progress;
-use crate::replay_options::ReplayOptions;
+use crate::record::Observation;
+use crate::replay::options::ReplayOptions;
+use crate::replay::report::SampleCount;
+use crate::replay::setup::{chip_options, length_ns};
 use chip_models::{SharedChips, StimulusSource};
 use emulated_board::emulated::{EmulatedBoard, Sensors};
 use emulated_board::{Board, Elf, Observer, Options, Outcome, Watched};
@@ -17,11 +17,6 @@ use recorded_flights::{Bench, Flight, FlightStimulus, LinkFrame, Setpoints, sche
 
 /// Virtual time between two looks at the chips' sample counters.
 const STEP_NS: u64 = 20_000_000;
-
-/// Handlers on the way from the gyro's interrupt to the motors, in order.
-///
-/// The last one is pended by software; see the table at the head of the firmware's `main.rs`.
-pub(super) const HANDLERS: [&str; 3] = ["EXTI0", "DMA1_STREAM0", "CAN2_TX"];
 
 /// Everything that is on the table.
 pub(crate) struct TestBench {

@@ -8,7 +8,7 @@ use reflex::time::micros;
 
 use super::replay;
 use crate::progress::Silent;
-use crate::replay_options::ReplayOptions;
+use crate::replay::options::ReplayOptions;
 use crate::scoring::{ModelState, Report};
 use recorded_flights::recordings::recording;
 
@@ -27,19 +27,19 @@ fn seconds(length: f64, settings: Settings) -> ReplayOptions {
 
 /// What must hold of every flight that reaches reactive control.
 fn check(report: &Report) {
-    let (about, control) = (&report.about, &report.score.section.control);
-    for sensor in about.sensors.iter().filter(|sensor| sensor.present) {
-        assert!(sensor.interrupts > 0, "{}: {sensor:?}", about.log);
+    let (run, control) = (&report.run, &report.score.section.control);
+    for sensor in run.sensors.iter().filter(|sensor| sensor.present) {
+        assert!(sensor.interrupts > 0, "{}: {sensor:?}", run.log);
     }
-    assert!(control.by_reason.trigger > 0, "{}", about.log);
-    assert!(control.runs < report.score.hyperperiods, "{}", about.log);
-    let lead = about.sensors.last().expect("the command");
+    assert!(control.by_reason.trigger > 0, "{}", run.log);
+    assert!(control.runs < report.score.hyperperiods, "{}", run.log);
+    let lead = run.sensors.last().expect("the command");
     assert_eq!(lead.name, "command_change");
-    assert_eq!(lead.state, ModelState::Fit, "{}", about.log);
-    let whole_way = about.latency_parts_us.last().expect("parts");
+    assert_eq!(lead.state, ModelState::Fit, "{}", run.log);
+    let whole_way = run.latency_parts_us.last().expect("parts");
     let micros = whole_way.micros.expect("runs that the gyro asked for");
-    assert!(micros.max < 900.0, "{}: {micros:?}", about.log);
-    assert_eq!(micros.count, lead.triggers, "{}: runs unmatched", about.log);
+    assert!(micros.max < 900.0, "{}: {micros:?}", run.log);
+    assert_eq!(micros.count, lead.triggers, "{}: runs unmatched", run.log);
     let unexpected = [
         "imu_bus",
         "imu_overrun",
@@ -48,9 +48,9 @@ fn check(report: &Report) {
         "link_overrun",
     ];
     for counter in unexpected {
-        assert_eq!(about.counters[counter], 0, "{}: {counter}", about.log);
+        assert_eq!(run.counters[counter], 0, "{}: {counter}", run.log);
     }
-    assert_eq!(about.counters["log_frames_damaged"], 0, "{}", about.log);
+    assert_eq!(run.counters["log_frames_damaged"], 0, "{}", run.log);
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn thresholds_of_fitted_models_decide_when_the_chip_interrupts() {
         settings: led_by_the_angle(),
         ..ReplayOptions::default()
     });
-    let chips = &report.about.sensors[2..4];
+    let chips = &report.run.sensors[2..4];
     assert!(
         chips
             .iter()
@@ -139,7 +139,7 @@ fn another_seed_is_another_flight() {
         ..reflex::config::SETTINGS
     };
     let digests =
-        [reflex::config::SETTINGS, other].map(|settings| fly(&seconds(4.0, settings)).about.digest);
+        [reflex::config::SETTINGS, other].map(|settings| fly(&seconds(4.0, settings)).run.digest);
     assert_ne!(digests[0], digests[1]);
 }
 
@@ -155,13 +155,7 @@ fn periodic_control_runs_at_its_rate_and_asks_no_model() {
     ));
     let control = &report.score.section.control;
     assert_eq!(control.by_reason.trigger, 0);
-    assert!(
-        report
-            .about
-            .sensors
-            .iter()
-            .all(|sensor| sensor.triggers == 0)
-    );
+    assert!(report.run.sensors.iter().all(|sensor| sensor.triggers == 0));
     let rate = control.by_reason.periodic as f64 / 5.0;
     assert!((rate - 250.0).abs() < 2.5, "{rate} Hz");
 }
@@ -191,7 +185,7 @@ fn no_option_needs_another_firmware() {
         "{}",
         report.score.warm_up_s
     );
-    let options = serde_json::to_value(&report.about.options).expect("JSON");
+    let options = serde_json::to_value(&report.run.options).expect("JSON");
     assert_eq!(
         (&options["motors"], &options["failsafe_s"]),
         (&"pwm".into(), &0.05.into())

@@ -1,28 +1,27 @@
-//! What a native replay says around its score: what both tiers know.
+//! The report of a native replay: what both tiers know.
 
 use reflex::app::{Call, Ran};
 use reflex::settings::MotorProtocol;
 use reflex::time::at_micros;
 
-use super::board::NativeBoard;
-use super::timing::nanos;
-use crate::replay::about::{Known, SampleCount, Seen, scored_from_us};
-use crate::replay::alignment::pulse_ns;
-use crate::replay::story::Story;
-use crate::replay_options::ReplayOptions;
-use crate::scoring::{About, MotorDigest, Tier};
+use crate::native::{NativeBoard, nanos};
+use crate::record::motor_timers::pulse_ns;
+use crate::replay::options::ReplayOptions;
+use crate::replay::report::{ChipEvidence, Evidence, SampleCount, scored_from_us};
+use crate::replay::timeline::Timeline;
+use crate::scoring::{MotorDigest, RunReport, Tier};
 use recorded_flights::{Flight, Setpoints};
 
-/// Tells of a board that flew to its end.
-pub(super) fn tell(
+/// The report of a board that flew to its end.
+pub(super) fn report(
     options: &ReplayOptions,
     flight: &Flight,
     setpoints: &Setpoints,
-    story: &Story<'_>,
+    timeline: &Timeline<'_>,
     board: &NativeBoard,
     samples: &[SampleCount],
-) -> About {
-    let runs: Vec<(u64, Ran)> = (story.calls.iter())
+) -> RunReport {
+    let runs: Vec<(u64, Ran)> = (timeline.calls.iter())
         .filter_map(|stamped| match stamped.call {
             Call::Ran(ran) => Some((stamped.at.ticks(), ran)),
             _ => None,
@@ -33,14 +32,14 @@ pub(super) fn tell(
         board.accel.with(|wired| wired.rises.clone()),
         board.mag.with(|wired| wired.rises.clone()),
     ];
-    let known = Known {
+    let evidence = Evidence {
         options,
         flight,
         setpoints,
-        story,
+        timeline,
         runs: &runs,
-        seen: Seen {
-            from_ns: nanos(at_micros(scored_from_us(story))),
+        chips: ChipEvidence {
+            from_ns: nanos(at_micros(scored_from_us(timeline))),
             edges: edges.each_ref().map(Vec::as_slice),
             samples,
             chip_thresholds: [
@@ -49,7 +48,7 @@ pub(super) fn tell(
             ],
         },
     };
-    known.tell(Tier::Native, digest(&runs, options.settings.motors))
+    evidence.report(Tier::Native, digest(&runs, options.settings.motors))
 }
 
 /// The pulses that the commands stand for, at the instants of their runs: no timer wrote them.

@@ -269,12 +269,13 @@ fn check_that_the_tiers_agree(name: &str) {
         ..ReplayOptions::default()
     };
     let native = replay(&options, &mut crate::progress::Silent).expect("a native replay");
-    let emulated = crate::replay::replay(&options, &mut crate::progress::Silent).expect("a replay");
+    let emulated =
+        crate::replay::emulated::replay(&options, &mut crate::progress::Silent).expect("a replay");
     assert_eq!(
-        (native.about.tier, emulated.about.tier),
+        (native.run.tier, emulated.run.tier),
         (Tier::Native, Tier::Emulated)
     );
-    assert!(native.about.cpu.is_none() && native.about.firmware.is_none());
+    assert!(native.run.cpu.is_none() && native.run.firmware.is_none());
     let within = |what: &str, native: f64, emulated: f64, most: f64| {
         println!("{name}: {what} {native:.3} natively, {emulated:.3} emulated");
         let off = (native / emulated - 1.0).abs();
@@ -290,8 +291,8 @@ fn check_that_the_tiers_agree(name: &str) {
         rms.expect("something was scored")
     };
     within("RMS", rms(&native), rms(&emulated), 0.15);
-    for sensor in 0..native.about.sensors.len() {
-        let samples = |report: &Report| report.about.sensors[sensor].samples as f64;
+    for sensor in 0..native.run.sensors.len() {
+        let samples = |report: &Report| report.run.sensors[sensor].samples as f64;
         within("samples", samples(&native), samples(&emulated), 0.05);
     }
 }

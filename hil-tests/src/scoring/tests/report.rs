@@ -68,7 +68,7 @@ fn options() -> Options {
     }
 }
 
-pub(super) fn about(flight: &Flight) -> About {
+pub(super) fn run_report(flight: &Flight) -> RunReport {
     let latency = |reason, micros| LatencySample {
         at_us: flight.last_us(),
         reason,
@@ -79,7 +79,7 @@ pub(super) fn about(flight: &Flight) -> About {
         latency(Reason::Trigger, 512.25),
         latency(Reason::Failsafe, 700.0),
     ];
-    About {
+    RunReport {
         log: "flight.ulg".to_owned(),
         tier: Tier::Emulated,
         policy: "reactive".to_owned(),
@@ -119,7 +119,7 @@ pub(super) fn about(flight: &Flight) -> About {
 
 fn report(flight: &Flight) -> Report {
     Report {
-        about: about(flight),
+        run: run_report(flight),
         score: scored(flight),
     }
 }
@@ -196,7 +196,7 @@ fn what_has_no_value_is_null_and_nothing_is_infinite() {
     flight.end_warm_up(1000);
     end(&mut flight, f32::INFINITY, run(Reason::Trigger, f32::NAN));
     let mut odd = report(&flight);
-    odd.about.cpu = Some(Cpu {
+    odd.run.cpu = Some(Cpu {
         busy_fraction: Some(f64::NAN),
         instructions_per_run: None,
     });

@@ -1,7 +1,7 @@
 //! The text that a person reads, letter by letter.
 
 use super::super::{Report, summary};
-use super::report::{about, flight_of};
+use super::report::{flight_of, run_report};
 use super::*;
 use reflex::settings::Policy;
 use reflex::time::micros;
@@ -14,7 +14,7 @@ fn text(change: impl FnOnce(&mut Report)) -> String {
         ..rules()
     };
     let mut report = Report {
-        about: about(&flight),
+        run: run_report(&flight),
         score: score(&flight, &rules, |rate_hz| fly(&flight, rate_hz)),
     };
     change(&mut report);
@@ -87,9 +87,9 @@ fn nothing_trails_and_no_line_is_wider_than_a_screen() {
 #[test]
 fn a_periodic_flight_names_its_rate() {
     let text = text(|report| {
-        report.about.policy = "periodic".to_owned();
-        report.about.options.settings.policy = Policy::Periodic;
-        report.about.options.settings.period = micros(4000);
+        report.run.policy = "periodic".to_owned();
+        report.run.options.settings.policy = Policy::Periodic;
+        report.run.options.settings.period = micros(4000);
     });
     assert!(text.contains("policy periodic at 250 Hz, reference last-run"));
     assert!(last_line(&text).starts_with("verdict: periodic strayed"));

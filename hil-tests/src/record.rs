@@ -1,0 +1,16 @@
+//! The record of a run: what the autopilot was called with, and what its board was seen to do.
+//!
+//! Every tier that flies, recorded or in closed loop, is judged by such a record. On the emulated
+//! board three independent sources make it: motor registers, edges on interrupt lines, and the
+//! firmware's call log. They are held against each other ([`Alignment`]), and the calls are made
+//! again on the host ([`Mirror`]), which must compute the same bits.
+
+mod alignment;
+mod call_stream;
+mod mirror;
+pub(crate) mod motor_timers;
+mod observation;
+
+pub(crate) use alignment::{AlignedRun, Alignment};
+pub(crate) use mirror::Mirror;
+pub(crate) use observation::{DecodedLog, HANDLERS, Observation};

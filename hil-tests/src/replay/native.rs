@@ -1,0 +1,113 @@
+//! A recorded flight through the autopilot without a processor: some hundred times faster.
+//!
+//! Nothing is shared between flights and no thread is started: any number of flights may go on
+//! at once, in threads of the caller.
+
+mod report;
+#[cfg(test)]
+pub(crate) mod tests;
+
+use std::sync::Arc;
+
+use anyhow::{Result, bail};
+use reflex::app::Stamped;
+
+use super::options::ReplayOptions;
+use super::refusals;
+use super::report::SampleCount;
+use super::setup::{chip_options, length_ns, open_flight};
+use super::timeline::Timeline;
+use crate::native::{NativeBoard, clock};
+use crate::progress::Progress;
+use crate::refusal::Refusal;
+use crate::scoring::{Report, Score};
+use chip_models::StimulusSource;
+use recorded_flights::{Bench, Flight, FlightStimulus, Setpoints, schedule};
+
+/// Virtual time between two looks at the chips' sample counters.
+const STEP_NS: u64 = 20_000_000;
+
+/// Flies a flight and returns every call of the autopilot, in order.
+///
+/// # Errors
+/// A flight that cannot be replayed with these options.
+pub fn fly(flight: &Flight, options: &ReplayOptions) -> Result<Vec<Stamped>> {
+    refusals::check_flight(options, flight, &flight.name)?;
+    let (mut board, end_ns) = boot(flight, &Setpoints::of(flight), options);
+    board.run_until(end_ns);
+    Ok(board.take_calls())
+}
+
+/// Flies a flight and scores it.
+///
+/// # Errors
+/// As [`fly`]; and where the drone never armed.
+pub fn fly_and_score(flight: &Flight, options: &ReplayOptions) -> Result<Score> {
+    let calls = fly(flight, options)?;
+    Ok(timeline(&calls, options, &flight.name)?.score())
+}
+
+/// Reads a flight, flies and scores it: what `cargo hil replay --native` does.
+///
+/// # Errors
+/// A flight that cannot be read or replayed with these options.
+pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Report> {
+    let (flight, path) = open_flight(options)?;
+    progress.stage(&format!("Replaying {} natively", path.display()));
+    let setpoints = Setpoints::of(&flight);
+    let (mut board, end_ns) = boot(&flight, &setpoints, options);
+    let samples = watch(&mut board, end_ns, progress);
+    let calls = board.take_calls();
+
+    progress.stage("Scoring");
+    let timeline = timeline(&calls, options, &path.display().to_string())?;
+    Ok(Report {
+        run: report::report(options, &flight, &setpoints, &timeline, &board, &samples),
+        score: timeline.score(),
+    })
+}
+
+/// A board that stands at the beginning, and when the flight ends.
+fn boot(flight: &Flight, setpoints: &Setpoints, options: &ReplayOptions) -> (NativeBoard, u64) {
+    let at_rest = Bench::default();
+    let source: Arc<dyn StimulusSource> = Arc::new(FlightStimulus::new(flight, at_rest));
+    let end_ns = at_rest.length_ns() + length_ns(flight, options);
+    let mut frames = schedule(flight, setpoints, at_rest);
+    frames.retain(|frame| frame.at_ns < end_ns);
+    let chip_options = chip_options(flight, options);
+    let board = NativeBoard::boot(
+        (options.settings, options.logic),
+        &source,
+        chip_options,
+        frames,
+    );
+    (board, end_ns)
+}
+
+/// Runs to the end and counts the chips' samples on the way.
+fn watch(board: &mut NativeBoard, end_ns: u64, progress: &mut dyn Progress) -> Vec<SampleCount> {
+    let start_ns = Bench::default().length_ns();
+    let seconds = |at_ns: u64| at_ns.saturating_sub(start_ns) as f64 * 1e-9;
+    let mut samples = Vec::new();
+    let mut at_ns = 0;
+    while at_ns < end_ns {
+        at_ns = (at_ns + STEP_NS).min(end_ns);
+        board.run_until(at_ns);
+        samples.push(SampleCount {
+            at_ns,
+            accel: board.accel.with(|wired| wired.chip.samples()),
+            mag: board.mag.with(|wired| wired.chip.samples()),
+        });
+        progress.done(seconds(at_ns), seconds(end_ns));
+    }
+    samples
+}
+
+fn timeline<'c>(calls: &'c [Stamped], options: &ReplayOptions, name: &str) -> Result<Timeline<'c>> {
+    let start_us = clock(Bench::default().length_ns()).ticks();
+    let timeline = Timeline::of(calls, (options.settings, options.logic), start_us)?;
+    if timeline.runs_in_the_air == 0 {
+        bail!(Refusal::new(format!("{name}: the drone never armed")));
+    }
+    Ok(timeline)
+}
