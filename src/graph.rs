@@ -4,7 +4,7 @@
 
 mod logic;
 #[cfg(test)]
-mod testing;
+mod tests;
 
 pub use logic::{ControlLogic, Tuned};
 

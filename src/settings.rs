@@ -1,4 +1,4 @@
-//! Options for the unmodified firmware, checked, and as a checksummed block of bytes.
+//! Options for the unmodified firmware: checked, and as a checksummed block.
 //!
 //! A replay (or a bootloader) writes the block to the symbol `REFLEX_SETTINGS` in memory that
 //! start-up leaves alone. Absent or wrong in any way, the values built from `config/` hold,

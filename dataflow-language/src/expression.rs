@@ -1,4 +1,4 @@
-//! An expression of a graph: which values it reads, and the same with these found elsewhere.
+//! An expression of a graph: the values it reads, and where they are found.
 
 use proc_macro2::{Group, Ident, TokenStream, TokenTree};
 use quote::{ToTokens, format_ident, quote};

@@ -1,4 +1,4 @@
-//! Everything of Reflex that runs on the host: replays, closed-loop flights, scores.
+//! What of Reflex runs on the host: replays, closed-loop flights, scores.
 //!
 //! Four crates below this one know nothing of the autopilot: [`emulated_board`] runs a
 //! firmware's ELF on an emulated processor, [`chip_models`] are its sensors,

@@ -1,4 +1,4 @@
-//! The record of a run: what the autopilot was called with, and what its board was seen to do.
+//! The record of a run: the autopilot's calls, and what its board did.
 //!
 //! Every tier that flies, recorded or in closed loop, is judged by such a record. On the emulated
 //! board three independent sources make it: motor registers, edges on interrupt lines, and the

@@ -1,4 +1,4 @@
-//! The bytes of the settings block, by which a host or a bootloader sets the firmware.
+//! The bytes of the settings block, with which a host or a bootloader sets options.
 //!
 //! Little-endian: magic `RFLX`, version, length, the fields in the order of their declaration,
 //! four bytes each, CRC-32 of all before it. The version follows from the fields' names.

@@ -1,4 +1,4 @@
-//! Fields to bytes and back, little-endian: what every record of ours is written with.
+//! Fields to bytes and back, little-endian, for every record.
 //!
 //! A reader is a slice that gets shorter, a writer a vector that gets longer.
 

@@ -1,4 +1,4 @@
-//! The gains of each control logic: what its file may say, and the values that its laws take.
+//! The gains of each control logic: what its file may say, and its laws' values.
 //!
 //! A gain is declared once, in the order of the file. From its line come the check of
 //! `config/logics/NAME.toml`, the field of the struct, and its place in a list of numbers.

@@ -1,4 +1,4 @@
-//! The inputs whose change may call for a run, each declared once, and sets of them.
+//! The inputs whose change may call for a run, each declared once; sets of them.
 //!
 //! What is declared here is said nowhere else: tables of the configuration, learners, gates of the
 //! hyperperiod, sets and records, the option `--triggers`, names in logs and reports follow from

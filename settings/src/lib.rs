@@ -1,4 +1,4 @@
-//! What can be set or chosen: declared once for the build, the firmware and the host.
+//! What can be set or chosen, declared once for build, firmware and host.
 //!
 //! - [`Setting`]: name, place in TOML, kind and range, unit, meaning, option of one value
 //! - [`declare!`]: a struct of settings, fields and declarations in one place

@@ -1,4 +1,4 @@
-//! What is known of one setting: all that its users say, check or write comes from here.
+//! One setting: all that its users say, check or write comes from here.
 
 use core::fmt;
 

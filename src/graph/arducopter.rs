@@ -125,7 +125,7 @@ impl ControlLogic for ArduCopter {
 mod tests {
     use super::*;
     use crate::control::Yaw;
-    use crate::graph::testing::{Body, HOVER, settled, turning, visited};
+    use crate::graph::tests::{Body, HOVER, settled, turning, visited};
     use crate::units::{Position, Velocity};
 
     fn north_of_the_goal() -> Place {

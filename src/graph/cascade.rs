@@ -110,7 +110,7 @@ impl ControlLogic for Cascade {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::testing::{settled, turning, visited};
+    use crate::graph::tests::{settled, turning, visited};
     use crate::units::Thrust;
 
     #[test]

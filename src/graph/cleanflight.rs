@@ -111,7 +111,7 @@ mod tests {
     use super::*;
     use crate::config::cleanflight::GAINS;
     use crate::estimate::Arrival;
-    use crate::graph::testing::{settled, turning, visited};
+    use crate::graph::tests::{settled, turning, visited};
     use crate::sensors::{GRAVITY, ImuSample};
     use crate::time::at_micros;
     use crate::units::{BodyRates, Position, SpecificForce, Thrust};

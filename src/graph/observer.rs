@@ -89,7 +89,7 @@ impl ControlLogic for Observer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::testing::{settled, turning, visited};
+    use crate::graph::tests::{settled, turning, visited};
     use crate::units::Thrust;
 
     #[test]

@@ -1,4 +1,4 @@
-//! What runs turn out to be: counted, held against the limits, and taught to the inputs.
+//! What runs turn out to be: counted, compared with limits, taught to the inputs.
 
 use super::outcome::Teaching;
 use super::{FallbackReason, Limits, Outcome, Reason, differs};

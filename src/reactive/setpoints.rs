@@ -1,4 +1,4 @@
-//! Setpoints and goals as triggers: each has a quantum past which it calls for a run.
+//! Setpoints and goals as triggers: a change past a quantum calls for a run.
 
 use crate::config::{
     SETPOINT_ANGLE_QUANTUM, SETPOINT_POSITION_QUANTUM, SETPOINT_RATE_QUANTUM,

@@ -1,4 +1,4 @@
-//! The link: frames from bytes, messages to the autopilot, answers and heartbeats back.
+//! The link: frames from bytes, messages to the autopilot, answers and heartbeats.
 
 use super::{Board, Lock, follow};
 use crate::app::{Autopilot, Fault, Recorder};

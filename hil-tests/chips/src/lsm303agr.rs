@@ -18,13 +18,7 @@ mod magnetometer_threshold;
 mod output;
 mod spi;
 #[cfg(test)]
-mod tests_accelerometer;
-#[cfg(test)]
-mod tests_high_pass;
-#[cfg(test)]
-mod tests_magnetometer;
-#[cfg(test)]
-mod tests_spi;
+mod tests;
 
 use std::sync::Arc;
 

@@ -18,10 +18,6 @@ mod registers;
 mod sampling;
 #[cfg(test)]
 mod tests;
-#[cfg(test)]
-mod tests_interrupt;
-#[cfg(test)]
-mod tests_motion;
 
 use std::sync::Arc;
 

@@ -1,7 +1,6 @@
 //! A battery whose voltage falls with charge and sags with current.
 
-use crate::faults::Unfit;
-use crate::range::within;
+use crate::range::{Unfit, within};
 
 /// Most points of a table of open-circuit voltage.
 const MOST_POINTS: usize = 64;

@@ -2,8 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::faults::Unfit;
-use crate::range::{all_within, within};
+use crate::range::{Unfit, all_within, within};
 
 /// Air, field and weather of a flight.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,21 +1,9 @@
-//! What can go wrong: unfit parameters, numbers that diverge, a crash.
+//! What can go wrong in flight: numbers that diverge, a crash.
 
 use std::error::Error;
 use std::fmt;
 
-use crate::drone::State;
-
-/// Parameters that describe no drone or weather: name, value and range.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Unfit(pub String);
-
-impl fmt::Display for Unfit {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.write_str(&self.0)
-    }
-}
-
-impl Error for Unfit {}
+use crate::state::State;
 
 /// The simulation cannot go on; the drone stays as it was before the step.
 #[derive(Clone, Debug)]

@@ -7,8 +7,8 @@
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-use crate::drone::State;
-use crate::motion::{Frame, Wrench};
+use crate::frame::{Frame, Wrench};
+use crate::state::State;
 use crate::vehicle::{MAX_MOTORS, STANDARD_GRAVITY};
 
 /// Feet of a drone.

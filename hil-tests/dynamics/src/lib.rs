@@ -33,16 +33,20 @@ mod battery;
 mod drone;
 mod environment;
 mod faults;
+mod frame;
 mod ground;
 mod motion;
 mod range;
+mod state;
 mod vehicle;
 mod wind;
 
 pub use battery::Battery;
-pub use drone::{Drone, Felt, Place, State};
+pub use drone::{Drone, Felt, Place};
 pub use environment::{Environment, Gusts, Shelter, WindClimate};
-pub use faults::{Crash, Diverged, Divergence, Unfit};
+pub use faults::{Crash, Diverged, Divergence};
+pub use range::Unfit;
+pub use state::State;
 pub use vehicle::{
     Biases, Drag, Esc, MAX_MOTORS, Motor, Propulsion, STANDARD_GRAVITY, Skids, Spin, Vehicle,
     Vibration,

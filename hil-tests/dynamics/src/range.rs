@@ -1,6 +1,19 @@
 //! Parameters are checked once, before the first step.
 
-use crate::faults::Unfit;
+use std::error::Error;
+use std::fmt;
+
+/// Parameters that describe no drone or weather: name, value and range.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unfit(pub String);
+
+impl fmt::Display for Unfit {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(&self.0)
+    }
+}
+
+impl Error for Unfit {}
 
 /// Refuses a value outside `low..=high`, or that is not a number.
 pub fn within(name: &str, value: f64, low: f64, high: f64) -> Result<(), Unfit> {

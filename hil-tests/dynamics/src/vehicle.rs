@@ -3,8 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::battery::Battery;
-use crate::faults::Unfit;
-use crate::range::{all_within, within};
+use crate::range::{Unfit, all_within, within};
 
 /// Acceleration of free fall, m/s2 (ISO 80000-3).
 pub const STANDARD_GRAVITY: f64 = 9.80665;

@@ -14,7 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use crate::environment::{Environment, Shelter, WindClimate};
-use crate::faults::Unfit;
+use crate::range::Unfit;
 use dryden::Turbulence;
 use gust::GustTrain;
 

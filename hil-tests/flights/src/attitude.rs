@@ -1,63 +1,20 @@
-//! The attitude of a flight whose log has none, and helpers on quaternions.
+//! The attitude of a flight whose log has none.
 //!
 //! A complementary filter in double precision: the gyroscope turns the
 //! attitude, the specific force pulls it level with a time constant of 5 s,
 //! less the further its length is from 1 g. It starts from the attitude at
 //! rest with yaw 0. A gyroscope bias `b` leaves a tilt error of about `5 s * b`.
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 
 use super::flight::Flight;
+use super::quaternion::to_array;
 use super::track::{Track, seconds};
 use chip_models::stimulus::STANDARD_GRAVITY;
 
 const TIME_CONSTANT_S: f64 = 5.0;
 /// Specific forces this far from 1 g, in g, say nothing about the vertical.
 const TRUST_UP_TO: f64 = 0.5;
-
-/// A unit quaternion from w, x, y, z.
-pub(super) fn from_array([w, x, y, z]: [f64; 4]) -> UnitQuaternion<f64> {
-    UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
-}
-
-/// The components w, x, y, z.
-pub(super) fn to_array(q: UnitQuaternion<f64>) -> [f64; 4] {
-    [q.w, q.i, q.j, q.k]
-}
-
-/// A turn about the vertical.
-pub(super) fn about_down(angle: f64) -> UnitQuaternion<f64> {
-    UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle)
-}
-
-/// The heading of an attitude, rad; without meaning where the nose is vertical.
-pub(super) fn heading(q: UnitQuaternion<f64>) -> f64 {
-    let nose = q * Vector3::x();
-    nose.y.atan2(nose.x)
-}
-
-/// The same attitudes with signs chosen so that neighbours are close.
-pub(super) fn continuous(track: &Track<4>) -> Track<4> {
-    let mut last: Option<[f64; 4]> = None;
-    track.map(|q| {
-        let dot = last.map_or(1.0, |l| l.iter().zip(q).map(|(a, b)| a * b).sum());
-        let near = if dot < 0.0 { q.map(|c| -c) } else { q };
-        last = Some(near);
-        near
-    })
-}
-
-/// Components scaled to a unit quaternion; the last one where there are none.
-pub(super) fn renormalised(track: &Track<4>) -> Track<4> {
-    let mut last = [1.0, 0.0, 0.0, 0.0];
-    track.map(|q| {
-        let norm = q.iter().map(|c| c * c).sum::<f64>().sqrt();
-        if norm > 1e-6 {
-            last = q.map(|c| c / norm);
-        }
-        last
-    })
-}
 
 /// The attitude whose resting specific force is `force`, with yaw 0.
 fn at_rest(force: [f64; 3]) -> UnitQuaternion<f64> {
@@ -103,6 +60,7 @@ fn toward_level(attitude: UnitQuaternion<f64>, force: Vector3<f64>) -> Vector3<f
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quaternion::{from_array, heading};
     use crate::{Rotate, Rotation};
 
     /// A flight of gyroscope and accelerometer at 200 Hz, as functions of seconds.
@@ -146,13 +104,5 @@ mod tests {
             .unwrap_or_default()
             .euler_angles();
         assert!((roll - 0.1 * (-1.0_f64).exp()).abs() < 0.002, "{roll}");
-    }
-
-    #[test]
-    fn quaternion_signs_are_made_continuous() {
-        let mut track = Track::new();
-        track.push(0, [1.0, 0.0, 0.0, 0.0]);
-        track.push(1, [-0.9, -0.1, 0.0, 0.0]);
-        assert_eq!(continuous(&track).at(1), Some([0.9, 0.1, 0.0, 0.0]));
     }
 }

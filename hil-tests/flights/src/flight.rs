@@ -232,7 +232,7 @@ fn turned(recorded: Recorded, rotation: Rotation) -> Recorded {
     }
     let back = rotation.quaternion().inverse();
     let attitude = |track: Track<4>| {
-        track.map(|q| super::attitude::to_array(super::attitude::from_array(q) * back))
+        track.map(|q| super::quaternion::to_array(super::quaternion::from_array(q) * back))
     };
     Recorded {
         attitude: recorded.attitude.map(attitude),

@@ -17,6 +17,7 @@ mod flight;
 mod gaps;
 pub mod link_frames;
 mod lowpass;
+mod quaternion;
 mod recording;
 pub mod recordings;
 mod rotation;

@@ -14,8 +14,8 @@ use mavlink::dialects::common::{
 use mavlink::{MAVLinkV2MessageRaw, MavHeader};
 use nalgebra::Vector3;
 
-use super::attitude::{about_down, continuous, from_array, to_array};
 use super::flight::Flight;
+use super::quaternion::{about_down, continuous, from_array, to_array};
 use super::setpoint::{SetpointSource, SetpointSources, Setpoints};
 use super::stimulus::Bench;
 use super::track::{Cursor, Track};

@@ -9,11 +9,10 @@
 //! Headings are relative to the drone's heading at the start of the flight,
 //! which is where the firmware's own heading starts.
 
-use super::attitude::{
-    about_down, continuous, estimate, from_array, heading, renormalised, to_array,
-};
+use super::attitude::estimate;
 use super::flight::Flight;
 use super::lowpass::zero_phase;
+use super::quaternion::{about_down, continuous, from_array, heading, renormalised, to_array};
 use super::recording::Motors;
 use super::track::{Cursor, Track};
 

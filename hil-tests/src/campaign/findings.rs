@@ -8,12 +8,11 @@ use serde::Serialize;
 use super::comparison::{self, COMPARISONS, Compared, Comparison, Metric, Pair};
 use super::interval::Interval;
 use super::journal::{Landed, Records, Ways};
-use super::load::{self, Load};
+use super::load::{self, Load, learning_share};
 use super::plan::{Plan, USUAL_HZ};
 use super::role::{Contender, Role};
 use super::sortie::{Sortie, Tier};
 use super::tuning::{self, Tuning};
-use crate::closed_loop::report::FlightReport;
 
 /// Everything, of whatever has been flown so far.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -299,11 +298,4 @@ fn mean(cell: [&str; 3], role: Role, flights: &[Pair<'_>]) -> Means {
         learning_percent: of(&|landed| Some(100.0 * learning_share(&landed.report)?)),
         metrics: metrics.collect(),
     }
-}
-
-/// Share of the scored runs in which reactive control was time-triggered.
-pub fn learning_share(report: &FlightReport) -> Option<f64> {
-    let control = &report.control;
-    let by_clock = control.by_reason.warm_up + control.by_reason.fallback;
-    (control.runs > 0 && !report.crashed).then(|| by_clock as f64 / control.runs as f64)
 }

@@ -6,11 +6,11 @@
 
 use serde::Serialize;
 
-use super::findings::learning_share;
 use super::journal::Records;
 use super::plan::{LOAD_RATES_HZ, Plan};
 use super::role::Role;
 use super::sortie::{PERIODS_US, Sortie, Tier};
+use crate::closed_loop::report::FlightReport;
 
 /// What a run of time-triggered control takes of the processor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -128,6 +128,13 @@ pub fn all(plan: &Plan, records: &Records) -> Vec<Load> {
     reactive
         .filter_map(|sortie| measured(plan, records, sortie))
         .collect()
+}
+
+/// Share of the scored runs in which reactive control was time-triggered.
+pub fn learning_share(report: &FlightReport) -> Option<f64> {
+    let control = &report.control;
+    let by_clock = control.by_reason.warm_up + control.by_reason.fallback;
+    (control.runs > 0 && !report.crashed).then(|| by_clock as f64 / control.runs as f64)
 }
 
 #[cfg(test)]

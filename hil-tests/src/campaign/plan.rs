@@ -1,8 +1,8 @@
 //! Plans by name: which flights a campaign has.
 
+use super::margins;
 use super::role::{Contender, Role};
 use super::sortie::{Sortie, Tier};
-use super::tuning;
 use crate::refusal::Refusal;
 
 /// Every plan's name.
@@ -224,7 +224,7 @@ impl Plan {
         let any = self.trial(cell, 1).0.into_iter().next()?;
         let mut flights = Vec::new();
         for of in Contender::ALL {
-            flights.extend(tuning::margins(&any, of));
+            flights.extend(margins::margins(&any, of));
             flights.extend((1..=self.tuned_seeds).map(|seed| self.tuned(&any, of, seed)));
         }
         (self.tuned_seeds > 0).then_some(Unit(flights))

@@ -1,5 +1,7 @@
 //! Campaigns end to end: natively, in this process, in a temporary folder.
 
+mod made_up;
+
 use std::fs;
 use std::io::Write;
 
@@ -9,9 +11,9 @@ use proptest::prelude::*;
 use tempfile::TempDir;
 
 use super::journal::{Records, flight_line, ways_line};
-use super::testing::{crashed, landed, line, stamp};
 use super::*;
 use crate::progress::Silent;
+use made_up::{crashed, landed, line, stamp};
 
 /// The day of every report here.
 const DATE: &str = "2016-06-26";

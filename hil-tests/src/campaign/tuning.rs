@@ -8,15 +8,11 @@
 use serde::Serialize;
 
 use super::journal::Records;
+use super::margins::{bandwidths, strained};
 use super::plan::Plan;
-use super::role::{Contender, Role, Strain};
+use super::role::{Contender, Role};
 use super::sortie::Sortie;
-use crate::airframes::BANDWIDTHS;
 
-/// Seeds that margins are seen with, 1 to this.
-pub const SEEDS: u32 = 2;
-/// From take-off to the end of a flight that margins are seen in, s.
-pub const DURATION_S: u32 = 20;
 /// Most that a drone turns which bears its strain, RMS in rad/s. Wind alone turns it by 0.1.
 const MOST_TURNING: f64 = 0.3;
 
@@ -33,35 +29,6 @@ pub struct Tuning {
     pub role: String,
     /// In % of the configured bandwidth.
     pub bandwidth_percent: u32,
-}
-
-/// Bandwidths in %, from slow to fast.
-#[must_use]
-pub fn bandwidths() -> Vec<u32> {
-    let mut percents = BANDWIDTHS.map(|factor| (factor * 100.0).round() as u32);
-    percents.sort_unstable();
-    percents.to_vec()
-}
-
-/// The flights that show the margins of a cell, given any flight of it.
-#[must_use]
-pub fn margins(cell: &Sortie, of: Contender) -> Vec<Sortie> {
-    let percents = bandwidths().into_iter();
-    percents
-        .flat_map(|percent| strained(cell, of, percent))
-        .collect()
-}
-
-fn strained(cell: &Sortie, of: Contender, percent: u32) -> Vec<Sortie> {
-    let flight = |(strain, seed)| Sortie {
-        duration_s: DURATION_S,
-        role: Role::Margin(of, percent, strain),
-        seed,
-        ..cell.clone()
-    };
-    let strains = Strain::ALL.into_iter();
-    let pairs = strains.flat_map(|strain| (1..=SEEDS).map(move |seed| (strain, seed)));
-    pairs.map(flight).collect()
 }
 
 /// The fastest loops that bear every strain, in %; the slowest where none do, none unflown.

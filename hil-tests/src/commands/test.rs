@@ -1,7 +1,6 @@
 //! `cargo hil test`: everything that continuous integration runs, cheapest first.
 
 mod budget;
-mod source_line;
 mod structure;
 
 use anyhow::{Context, Result};

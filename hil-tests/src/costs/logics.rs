@@ -11,7 +11,7 @@ use reflex_bench::step::Step;
 use reflex_bench::{STEPS, STEPS_SYMBOL, WAYS};
 use serde::Serialize;
 
-use super::parts::{Program, at_rest};
+use super::program::{Program, at_rest};
 use super::steps::{INPUTS, cases};
 use crate::firmware::Firmware;
 use crate::logics::{LogicName, steps_of};

@@ -1,4 +1,4 @@
-//! What each event of the native board leads to: a task of the firmware, on modelled buses.
+//! What each event of the native board runs: a firmware task, on modelled buses.
 //!
 //! A bus transfer is played when it starts; what came of it reaches the autopilot when it ends.
 

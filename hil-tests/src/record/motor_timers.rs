@@ -1,4 +1,4 @@
-//! The motors' timers: how often they update, and what pulse they make of a command.
+//! The motors' timers: how often they update, and their pulse for a command.
 
 use reflex::airframe::{period_ticks, ticks};
 use reflex::settings::MotorProtocol;

@@ -1,5 +1,6 @@
-//! A recorded flight through the autopilot without a processor: some hundred times faster.
+//! A recorded flight through the autopilot, without a processor.
 //!
+//! It is some hundred times faster than the flight was.
 //! Nothing is shared between flights and no thread is started: any number of flights may go on
 //! at once, in threads of the caller.
 

@@ -1,4 +1,4 @@
-//! A replay's calls made again, in order of time: reference, mirror, and the scored flight.
+//! A replay's calls made again: reference, mirror, and the scored flight.
 //!
 //! The *reference* is a second autopilot that runs at every gating sample of the same flight,
 //! with its own state: when the firmware ran behind that sample, so that both know of the same

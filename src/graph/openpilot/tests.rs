@@ -3,7 +3,7 @@
 use super::*;
 use crate::control::Yaw;
 use crate::estimate::Motion;
-use crate::graph::testing::{settled, turning, visited};
+use crate::graph::tests::{settled, turning, visited};
 use crate::sensors::GRAVITY;
 use crate::units::{Position, Thrust};
 use proptest::prelude::*;

@@ -1,5 +1,8 @@
 //! The MPU6050 against numbers worked out from its datasheet.
 
+mod interrupt;
+mod motion;
+
 use proptest::prelude::*;
 
 use super::registers::*;

@@ -3,7 +3,7 @@
 use anyhow::Result;
 
 use super::bars::{self, COLOURS, OTHERS, point};
-use super::{Shown, paper, why};
+use super::{Shown, paper};
 use crate::campaign::comparison::{Compared, Metric};
 use crate::campaign::findings::{Findings, Means, Swept};
 use crate::campaign::interval::Interval;
@@ -55,7 +55,6 @@ pub fn all(plan: &Plan, records: &Records, findings: &Findings) -> Result<Vec<Sh
         flight_time(plan, findings)?,
         ways(plan, findings)?,
         sweeps(plan, findings)?,
-        why::rates(plan, findings)?,
     ])
 }
 

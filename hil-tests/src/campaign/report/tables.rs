@@ -5,8 +5,8 @@ use maud::{Markup, html};
 use crate::campaign::comparison::{COMPARISONS, Cell, Compared, Metric};
 use crate::campaign::findings::{Findings, Means};
 use crate::campaign::interval::Interval;
+use crate::campaign::margins;
 use crate::campaign::plan::Plan;
-use crate::campaign::tuning;
 
 /// What the table of improvements has columns of.
 const SHOWN: [Metric; 5] = [
@@ -53,7 +53,7 @@ fn tunings(plan: &Plan, findings: &Findings) -> Markup {
         h3 { "Loops at equal margins" }
         p {
             "How fast each policy may make attitude and rate loops, in % of the configured bandwidth: the "
-            "fastest of " (format!("{:?}", tuning::bandwidths())) " that keeps the drone from oscillating when "
+            "fastest of " (format!("{:?}", margins::bandwidths())) " that keeps the drone from oscillating when "
             "it answers its motors twice as strongly, and when commands apply 20 ms late."
         }
         table {

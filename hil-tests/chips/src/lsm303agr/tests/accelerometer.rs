@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 
-use super::accelerometer_registers::*;
-use super::*;
+use super::super::accelerometer_registers::*;
+use super::super::*;
 use crate::testing::*;
 use crate::{ChipOptions, Present};
 

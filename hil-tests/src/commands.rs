@@ -9,8 +9,6 @@ mod campaign;
 mod fly;
 mod graph;
 mod quantities;
-#[cfg(test)]
-mod reference;
 mod replay;
 mod replay_arguments;
 mod settings_arguments;
@@ -135,6 +133,8 @@ fn one_line(message: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    mod reference;
+
     use super::*;
 
     fn refusal(arguments: &[&str]) -> String {

@@ -6,10 +6,10 @@
 mod bars;
 mod figures;
 mod headline;
-mod made;
+mod method;
 mod paper;
+mod rate_sweep;
 mod tables;
-mod why;
 
 use anyhow::Result;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -51,7 +51,8 @@ struct Shown {
 /// # Errors
 /// None in practice: nothing is written but a string.
 pub fn html(plan: &Plan, records: &Records, findings: &Findings, date: &str) -> Result<String> {
-    let figures = figures::all(plan, records, findings)?;
+    let mut figures = figures::all(plan, records, findings)?;
+    figures.push(rate_sweep::figure(plan, findings)?);
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -67,7 +68,7 @@ pub fn html(plan: &Plan, records: &Records, findings: &Findings, date: &str) -> 
                 h2 { "Figures" }
                 @for shown in &figures { (figure(shown)) }
                 (tables::section(plan, findings))
-                (made::section(plan, findings))
+                (method::section(plan, findings))
                 // On a line of its own, so that two reports of the same flights differ in that alone.
                 (PreEscaped("\n")) p { "Written on " (date) "." } (PreEscaped("\n"))
             }

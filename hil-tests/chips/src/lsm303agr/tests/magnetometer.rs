@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 
-use super::magnetometer_registers::*;
-use super::*;
+use super::super::magnetometer_registers::*;
+use super::super::*;
 use crate::testing::*;
 use crate::{ChipOptions, Present};
 

@@ -1,8 +1,8 @@
 //! Three-wire SPI as the master on this board sees it.
 
-use super::accelerometer_registers as xl;
-use super::magnetometer_registers as mg;
-use super::*;
+use super::super::accelerometer_registers as xl;
+use super::super::magnetometer_registers as mg;
+use super::super::*;
 use crate::testing::*;
 
 fn chip() -> Lsm303agr {

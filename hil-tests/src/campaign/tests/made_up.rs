@@ -1,19 +1,19 @@
 //! Flights that nobody flew, for tests.
 
-use super::journal::{Landed, Stamp, flight_line};
-use super::role::Role;
-use super::sortie::{Job, Sortie, Tier};
+use crate::campaign::journal::{Landed, Stamp, flight_line};
+use crate::campaign::role::Role;
+use crate::campaign::sortie::{Job, Sortie, Tier};
 use crate::closed_loop::report::{AxisErrors, Control, CrashReport, FlightReport};
 
 /// A fingerprint of no sources.
-pub(super) const SOURCES: &str = "0123456789ab";
+pub(in crate::campaign) const SOURCES: &str = "0123456789ab";
 
-pub(super) fn stamp() -> Stamp {
+pub(in crate::campaign) fn stamp() -> Stamp {
     Stamp::new("smoke", SOURCES.into())
 }
 
 /// A flight that nobody flew.
-pub(super) fn landed(role: Role, seed: u32, pitch: f64) -> Landed {
+pub(in crate::campaign) fn landed(role: Role, seed: u32, pitch: f64) -> Landed {
     let sortie = Sortie {
         tier: Tier::Native,
         airframe: reflex::config::AIRFRAME.into(),
@@ -67,7 +67,7 @@ pub(super) fn landed(role: Role, seed: u32, pitch: f64) -> Landed {
 }
 
 /// The same, but down on the ground.
-pub(super) fn crashed(role: Role, seed: u32) -> Landed {
+pub(in crate::campaign) fn crashed(role: Role, seed: u32) -> Landed {
     let mut landed = landed(role, seed, 1.0);
     let report = &mut landed.report;
     report.crashed = true;
@@ -84,6 +84,6 @@ pub(super) fn crashed(role: Role, seed: u32) -> Landed {
     landed
 }
 
-pub(super) fn line(landed: Landed) -> String {
+pub(in crate::campaign) fn line(landed: Landed) -> String {
     flight_line(&stamp(), landed).unwrap()
 }

@@ -13,7 +13,7 @@ use crate::plot::{Panel, Scale};
 ///
 /// # Errors
 /// None in practice: nothing is written but a string.
-pub fn rates(plan: &Plan, findings: &Findings) -> Result<Shown> {
+pub fn figure(plan: &Plan, findings: &Findings) -> Result<Shown> {
     let panels = plan.logics.iter().map(|logic| -> Panel {
         let of_logic = findings.rates.iter().filter(|it| it.cell.logic == *logic);
         let own: Vec<&Swept> = of_logic.collect();

@@ -16,6 +16,7 @@ mod interval;
 mod journal;
 mod known_plans;
 mod load;
+mod margins;
 mod plan;
 mod report;
 mod role;
@@ -23,8 +24,6 @@ mod shard;
 mod sortie;
 mod sources;
 mod table;
-#[cfg(test)]
-mod testing;
 #[cfg(test)]
 mod tests;
 mod tuning;

@@ -16,6 +16,7 @@ mod flight;
 mod locks;
 mod logics;
 mod parts;
+mod program;
 mod steps;
 mod table;
 #[cfg(test)]
@@ -25,7 +26,7 @@ use anyhow::Result;
 
 pub use logics::{FlightCost, LogicCost, WayCost};
 #[cfg(test)]
-pub(crate) use parts::at_rest;
+pub(crate) use program::at_rest;
 pub use table::{Cost, Costs, Memory};
 
 use logics::LogicProgram;

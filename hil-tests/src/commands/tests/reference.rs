@@ -8,7 +8,7 @@ use std::path::Path;
 
 use clap::{Arg, Command, CommandFactory};
 
-use super::Cli;
+use crate::commands::Cli;
 
 const PREFACE: &str = "\
 # Commands

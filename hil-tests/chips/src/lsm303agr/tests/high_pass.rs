@@ -1,7 +1,7 @@
 //! The accelerometer's high-pass filter, its resets and its routing.
 
-use super::accelerometer_registers::*;
-use super::*;
+use super::super::accelerometer_registers::*;
+use super::super::*;
 use crate::testing::*;
 
 /// Generator 1 on high-passed data, latched on the pin, 100 Hz normal mode.

@@ -1,7 +1,7 @@
 //! The motion detector against PS-MPU-6000A section 8.3.
 
-use super::registers::*;
-use super::*;
+use super::super::registers::*;
+use super::super::*;
 use crate::testing::*;
 
 /// Motion only: hold mode, 10 counts of 32 mg = 0.32 g, 3 ms, decrement 1.

@@ -1,8 +1,8 @@
 //! INT_STATUS and the INT pin against RM-MPU-6000A registers 55 to 58.
 
-use super::registers::*;
-use super::tests::chip;
-use super::*;
+use super::super::registers::*;
+use super::super::*;
+use super::chip;
 use crate::testing::*;
 
 #[test]
