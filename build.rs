@@ -30,6 +30,8 @@ fn constants(output: &Path) -> Result<(), String> {
         .map_err(|error| error.to_string())?;
     println!("cargo::rustc-check-cfg=cfg(logic, values(any()))");
     println!("cargo::rustc-cfg=logic={:?}", configuration.selection.logic);
+    println!("cargo::rustc-check-cfg=cfg(board, values(any()))");
+    println!("cargo::rustc-cfg=board={:?}", configuration.selection.board);
     write(
         &output.join("config.rs"),
         configuration.to_rust().as_bytes(),

@@ -1,6 +1,6 @@
 //! Clocks, the 1 us monotonic, and the only place that reads it.
 //!
-//! 168 MHz from the 8 MHz crystal: APB1 42 MHz (its timers 84 MHz), APB2 84 MHz. The monotonic
+//! 168 MHz from the board's crystal: APB1 42 MHz (its timers 84 MHz), APB2 84 MHz. The monotonic
 //! is TIM5 at 1 MHz, extended to 64 bit by its overflow interrupts.
 //!
 //! It is the HAL's, not rtic-monotonics'. Measured on the emulated chip, each with its newest
@@ -12,6 +12,7 @@
 use embedded_hal::delay::DelayNs;
 use reflex::time::Instant;
 use rtic_time::Monotonic;
+use stm32f4xx_hal::time::Hertz;
 use stm32f4xx_hal::{pac, prelude::*, rcc};
 
 /// The monotonic that tasks sleep on.
@@ -21,8 +22,8 @@ pub type Mono = stm32f4xx_hal::timer::MonoTimerUs<pac::TIM5>;
 const CORE_MHZ: u32 = 168;
 
 /// Starts the crystal and the PLL; hangs without a crystal, long before anything can fly.
-pub fn start(rcc: pac::RCC) -> rcc::Rcc {
-    let config = rcc::Config::hse(8.MHz())
+pub fn start(rcc: pac::RCC, crystal: Hertz) -> rcc::Rcc {
+    let config = rcc::Config::hse(crystal)
         .sysclk(CORE_MHZ.MHz())
         .hclk(CORE_MHZ.MHz())
         .pclk1(42.MHz())

@@ -1,4 +1,4 @@
-//! The board: everything that knows the STM32F427, and the only `unsafe` code.
+//! The reference board: an MPU6050 on I2C, an LSM303AGR on SPI, up to eight motors, one link.
 //!
 //! [`start`] brings the chip up and hands its parts to the tasks of `main.rs`. Pins:
 //!
@@ -13,24 +13,16 @@
 //! | link TX, RX | PD5, PD6 | USART2; DMA1 streams 6, 5 |
 //! | crystal | PH0, PH1 | 8 MHz |
 
-pub mod calls;
-mod clock;
-mod hard_fault;
 mod i2c;
 pub mod imu;
 mod link_port;
 mod lsm303agr;
 mod motors;
-mod settings_block;
 mod spi;
-mod watchdog;
 
-pub use clock::{Mono, now};
 pub use i2c::Engine;
 pub use lsm303agr::Chips;
 pub use motors::Motors;
-
-use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m::singleton;
 use embedded_hal_bus::util::AtomicCell;
@@ -39,11 +31,16 @@ use reflex::settings::Settings;
 use reflex::tasks::link;
 use reflex_drivers::mpu6050::BURST_LENGTH;
 use stm32f4xx_hal::dma::StreamsTuple;
-use stm32f4xx_hal::gpio::{Edge, ExtiPin, PinState, Pull, gpioc, gpiod};
-use stm32f4xx_hal::syscfg::SysCfg;
+use stm32f4xx_hal::gpio::{PinState, Pull, gpioc, gpiod};
 use stm32f4xx_hal::timer::MonoTimerExt;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{pac, prelude::*};
+
+use super::lines::interrupt_on_rise;
+use super::{clock, settings_block, watchdog};
+
+/// The crystal in Hz.
+const CRYSTAL_HZ: u32 = 8_000_000;
 
 /// The link over its port.
 pub type Link = link::Link<link_port::LinkPort>;
@@ -72,7 +69,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     // A probe keeps its connection, and the log flowing, while the core sleeps.
     device.DBGMCU.cr().modify(|_, w| w.dbg_sleep().set_bit());
     let mut watchdog = watchdog::start(device.IWDG, &device.DBGMCU);
-    let mut rcc = clock::start(device.RCC);
+    let mut rcc = clock::start(device.RCC, CRYSTAL_HZ.Hz());
     let rcc = &mut rcc;
     device.TIM5.monotonic_us(&mut core.NVIC, rcc);
     // The clock runs: from here on the log has time stamps.
@@ -140,29 +137,10 @@ pub enum Line {
     Mag = 2,
 }
 
-/// Takes note that an external interrupt was heard, so that the next edge can raise it again.
-pub fn acknowledge(line: Line) {
-    // SAFETY: one store to a register in which ones clear and zeroes do nothing.
-    unsafe { (*pac::EXTI::ptr()).pr().write(|w| w.bits(1 << line as u8)) };
-}
-
-/// Has a pin's rising edge raise its external interrupt.
-fn interrupt_on_rise(mut pin: impl ExtiPin, (routing, exti): &mut (SysCfg, pac::EXTI)) {
-    pin.make_interrupt_source(routing);
-    pin.trigger_on_edge(exti, Edge::Rising);
-    pin.enable_interrupt(exti);
-}
-
-/// Sleeps until an interrupt, unless one has left work in the meantime.
-///
-/// With interrupts masked none can come between the look and the sleep; one that is pending ends
-/// the sleep all the same, and is served at once.
-pub fn sleep_unless(work: &AtomicBool) {
-    cortex_m::interrupt::free(|_| {
-        if !work.load(Ordering::Relaxed) {
-            cortex_m::asm::wfi();
-        }
-    });
+impl From<Line> for u8 {
+    fn from(line: Line) -> Self {
+        line as Self
+    }
 }
 
 /// Hands all four pins of each timer that the airframe's motors need to it.

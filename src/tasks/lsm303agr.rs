@@ -16,22 +16,22 @@ use crate::settings::Settings;
 use crate::time::seconds;
 use crate::units::{MagneticField, SpecificForce};
 
-/// The rates that the configuration asks for.
-const RATES: Rates = match Rates::from_hz(CHIP_ACCEL_RATE, CHIP_MAG_RATE) {
-    Some(rates) => rates,
-    None => panic!("the LSM303AGR has no such rates"),
-};
-
 /// Both halves of the chip, each behind its chip select.
 #[derive(Debug)]
 pub struct Lsm303agr<A, M>(Halves<A, M>);
 
 impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Lsm303agr<A, M> {
+    /// The rates that the configuration asks for, where the board has this chip.
+    const RATES: Rates = match Rates::from_hz(CHIP_ACCEL_RATE, CHIP_MAG_RATE) {
+        Some(rates) => rates,
+        None => panic!("the LSM303AGR has no such rates"),
+    };
+
     /// Takes the bus handles of accelerometer and magnetometer; nothing is sent yet.
     pub fn new(accel: A, mag: M, settings: &Settings) -> Self {
         // Every run re-arms the references, and the failsafe runs at the latest.
         let longest_hold = Seconds(seconds(settings.failsafe));
-        Self(Halves::new(accel, mag, RATES, longest_hold))
+        Self(Halves::new(accel, mag, Self::RATES, longest_hold))
     }
 
     /// Sets the accelerometer up; one that fails is set up again at its next order.

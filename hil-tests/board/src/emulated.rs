@@ -13,7 +13,8 @@
 //! | `part` | the processor: the emulator's part with our models in place |
 //! | `exti`, `syscfg`, `pwm_timer` | the models that the emulator lacks or plays too dearly |
 //! | `sensors`, `link` | the chips and the ground station on the buses |
-//! | `wiring` | the pins and buffers the firmware must use |
+//! | `reflex_f427` | crystal, buses, lines and motors of the reference board |
+//! | `wiring` | whether the firmware uses the pins and buffers that are wired |
 //! | `run_loop`, `health`, `memory` | polls, faults, stack |
 //! | `batch` | what crosses between the two threads |
 //!
@@ -28,6 +29,7 @@ mod link;
 mod memory;
 mod part;
 mod pwm_timer;
+mod reflex_f427;
 mod run_loop;
 mod sensors;
 mod syscfg;
@@ -35,6 +37,7 @@ mod syscfg;
 mod tests;
 mod wiring;
 
+pub use reflex_f427::Line;
 pub use sensors::Sensors;
 
 use std::num::NonZeroU64;

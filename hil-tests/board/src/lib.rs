@@ -20,6 +20,7 @@ pub mod rings;
 use std::num::NonZeroU64;
 
 pub use elf::Elf;
+pub use emulated::Line;
 pub use fault::{Fault, FaultKind};
 pub use log::LogLine;
 pub use motors::{MOTORS, MotorWrite};
@@ -29,40 +30,6 @@ pub use outcome::{LinkUse, Load, Outcome, StackUse};
 pub const CALLS_SYMBOL: &str = "REFLEX_CALLS";
 /// Symbol of the settings block that is written before the firmware starts.
 pub const SETTINGS_SYMBOL: &str = "REFLEX_SETTINGS";
-
-/// An interrupt line from a sensor to the processor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Line {
-    /// MPU6050 INT on PC0.
-    ImuReady,
-    /// LSM303AGR INT_1_XL on PC1.
-    AccelThreshold,
-    /// LSM303AGR INT_MAG on PC2.
-    MagEvent,
-}
-
-impl Line {
-    /// Every line, in the order of its pin of port C.
-    pub const ALL: [Self; 3] = [Self::ImuReady, Self::AccelThreshold, Self::MagEvent];
-
-    /// The pin of port C the line is wired to, and with it its EXTI line.
-    pub const fn pin(self) -> u8 {
-        match self {
-            Self::ImuReady => 0,
-            Self::AccelThreshold => 1,
-            Self::MagEvent => 2,
-        }
-    }
-
-    /// The chip and pin that drive the line, as the datasheets name them.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::ImuReady => "MPU6050 INT",
-            Self::AccelThreshold => "LSM303AGR INT_1_XL",
-            Self::MagEvent => "LSM303AGR INT_MAG",
-        }
-    }
-}
 
 /// A change of level on an interrupt line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,8 +8,8 @@ use reflex::tasks::mpu6050::{CONFIG, Sensor};
 use reflex_drivers::legacy_hal::Lent;
 use reflex_drivers::mpu6050::{ADDRESS, Difference, Mpu6050};
 
+use super::i2c::Bus;
 use crate::board::clock::Delay;
-use crate::board::i2c::Bus;
 
 /// Wakes the chip and configures it, for the first time; 100 ms of that is the crate's wait.
 ///

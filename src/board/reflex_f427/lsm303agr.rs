@@ -9,8 +9,8 @@ use reflex::settings::Settings;
 use reflex::tasks::lsm303agr::Lsm303agr;
 use stm32f4xx_hal::gpio::{Output, PA4, PC4};
 
+use super::spi::Spi1;
 use crate::board::clock::Delay;
-use crate::board::spi::Spi1;
 
 type Device<CS> = AtomicDevice<'static, Spi1, CS, Delay>;
 

@@ -5,7 +5,6 @@
 //! link change at instants the part cannot know, so it asks for a stop at the
 //! next of them and looks at every stop what has changed.
 
-use rigless::chip::uart;
 use rigless::device::{Device, ErasedDevice, Level, ResetCause};
 use rigless::machine::{Board, Target, armv7m};
 use rigless::mcu::{Mcu, Operate};
@@ -21,22 +20,15 @@ use std::num::{NonZeroU32, NonZeroU64};
 use super::exti::Exti;
 use super::link::Link;
 use super::pwm_timer::{CHANNELS, PwmTimer};
+use super::reflex_f427::{self, CRYSTAL_HZ, LINE_PORT, MOTOR_TIMERS, PULLED_UP};
 use super::sensors::Sensors;
 use super::syscfg::Syscfg;
 use crate::{Edge, Line};
 
-/// Crystal on the oscillator pins, in Hz.
-const CRYSTAL_HZ: u64 = 8_000_000;
 /// Supply of the processor, in mV.
 const SUPPLY_MV: u32 = 3_300;
 /// Core clock that the firmware sets up.
 const CORE_HZ: NonZeroU64 = NonZeroU64::new(168_000_000).expect("not zero");
-/// Ports by their number in SYSCFG_EXTICR, A = 0.
-const PORT_B: usize = 1;
-const PORT_C: usize = 2;
-/// I2C1's clock and data on port B, pulled up by resistors on the board.
-const PULLED_UP: [u8; 2] = [8, 9];
-
 /// Slots of the models that answer in place of the emulator's own.
 #[derive(Clone, Copy, Debug)]
 struct Slots {
@@ -69,13 +61,12 @@ impl Part {
         let mut soc = Stm32f427::new()?;
         soc.rcc.attach_crystals(CRYSTAL_HZ, 0);
         soc.set_supply(SUPPLY_MV);
-        sensors.attach(&mut soc);
-        let peer: Box<dyn uart::Peer> = Box::new(link.clone());
-        soc.usart[1].attach_boxed(peer);
+        reflex_f427::attach(&mut soc, &sensors, &link);
+        let [first, second] = MOTOR_TIMERS;
         let slots = Slots {
             exti: soc.bus().slot("EXTI")?,
             syscfg: soc.bus().slot("SYSCFG")?,
-            timers: [soc.bus().slot("TIM3")?, soc.bus().slot("TIM4")?],
+            timers: [soc.bus().slot(first)?, soc.bus().slot(second)?],
             rcc: soc.bus().slot("RCC")?,
         };
         let mut part = Self {
@@ -104,11 +95,11 @@ impl Part {
 
     /// Puts on the pins what the board holds there at a reset.
     fn drive_outside(&mut self, at: VirtualNanos) {
-        for pin in PULLED_UP {
-            self.drive_pin(at, PORT_B, pin, true);
+        for (port, pin) in PULLED_UP {
+            self.drive_pin(at, port, pin, true);
         }
         for line in Line::ALL {
-            self.drive_pin(at, PORT_C, line.pin(), self.levels[line as usize]);
+            self.drive_pin(at, LINE_PORT, line.pin(), self.levels[line as usize]);
         }
     }
 
@@ -144,8 +135,8 @@ impl Part {
                 line,
                 rising,
             });
-            self.drive_pin(now, PORT_C, line.pin(), rising);
-            if usize::from(ports[usize::from(line.pin())]) == PORT_C {
+            self.drive_pin(now, LINE_PORT, line.pin(), rising);
+            if usize::from(ports[usize::from(line.pin())]) == LINE_PORT {
                 let (registers, mut context) = self.soc.bus_mut().drive(now, self.slots.exti);
                 self.exti
                     .set_line(line.pin(), rising, registers, &mut context);
@@ -156,7 +147,7 @@ impl Part {
     fn reselect_lines(&mut self) {
         let ports = self.syscfg.ports();
         for line in Line::ALL {
-            let heard = usize::from(ports[usize::from(line.pin())]) == PORT_C;
+            let heard = usize::from(ports[usize::from(line.pin())]) == LINE_PORT;
             self.exti
                 .reselect(line.pin(), heard && self.levels[line as usize]);
         }

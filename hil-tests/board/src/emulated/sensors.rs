@@ -8,11 +8,7 @@ use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rigless::chip::{Timeline, i2c, spi};
-use rigless::device::Level;
 use rigless::snapshot::Store;
-use rigless::soc::stm32f427::Stm32f427;
-use rigless::soc::stm32f427::peripherals::gpio::Pin;
-use rigless::soc::stm32f427::peripherals::spi::Select;
 
 use crate::Line;
 use chip_models::{I2cChip, SharedChips, SpiChip};
@@ -45,18 +41,6 @@ impl fmt::Debug for Sensors {
 }
 
 impl Sensors {
-    /// Hangs the chips on the part's buses, as the board is wired.
-    pub(super) fn attach(&self, soc: &mut Stm32f427) {
-        let select = |port, pin| Select {
-            port,
-            pin: Pin::new(pin).expect("a port has sixteen pins"),
-            active: Level::Low,
-        };
-        soc.i2c[0].attach(ImuPeer(Arc::clone(&self.imu)));
-        soc.spi[0].attach_selected(SpiPeer(Arc::clone(&self.accel)), select("GPIOA", 4));
-        soc.spi[0].attach_selected(SpiPeer(Arc::clone(&self.mag)), select("GPIOC", 4));
-    }
-
     /// Produces every sample due until `now_ns`.
     pub(super) fn advance(&self, now_ns: u64) {
         lock(&self.imu).advance(now_ns);
@@ -81,7 +65,8 @@ fn lock<T: ?Sized>(chip: &Mutex<T>) -> MutexGuard<'_, T> {
     chip.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-struct ImuPeer(Arc<Mutex<dyn I2cChip>>);
+/// A chip as the emulator's I2C sees it.
+pub(super) struct ImuPeer(pub(super) Arc<Mutex<dyn I2cChip>>);
 
 impl fmt::Debug for ImuPeer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -109,7 +94,8 @@ impl i2c::Peer for ImuPeer {
     }
 }
 
-struct SpiPeer(Arc<Mutex<dyn SpiChip>>);
+/// A chip as the emulator's SPI sees it.
+pub(super) struct SpiPeer(pub(super) Arc<Mutex<dyn SpiChip>>);
 
 impl fmt::Debug for SpiPeer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -9,12 +9,12 @@ use rigless::mcu::Mcu;
 use rigless::soc::stm32f427::generated::{dma2, exti, gpioa};
 
 use super::part::Part;
-use crate::Line;
+use super::reflex_f427::{LINE_PORT, Line, WIRES, motor_wire};
 use crate::motors::MOTORS;
 
 /// How a pin must be configured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Use {
+pub(super) enum Use {
     Input,
     Output,
     /// Alternate function, and whether its output stage is open drain.
@@ -26,116 +26,11 @@ enum Use {
 
 /// A wire: what it is, and the pin it ends at.
 #[derive(Clone, Copy, Debug)]
-struct Wire {
-    signal: &'static str,
-    port: char,
-    pin: u32,
-    uses: Use,
-}
-
-const fn function(number: u64) -> Use {
-    Use::Alternate {
-        number,
-        open_drain: false,
-    }
-}
-
-const I2C: Use = Use::Alternate {
-    number: 4,
-    open_drain: true,
-};
-
-const WIRES: [Wire; 12] = [
-    Wire {
-        signal: "SPI1_SCK",
-        port: 'A',
-        pin: 5,
-        uses: function(5),
-    },
-    Wire {
-        signal: "SPI1_MISO",
-        port: 'A',
-        pin: 6,
-        uses: function(5),
-    },
-    Wire {
-        signal: "SPI1_MOSI",
-        port: 'A',
-        pin: 7,
-        uses: function(5),
-    },
-    Wire {
-        signal: "accelerometer select",
-        port: 'A',
-        pin: 4,
-        uses: Use::Output,
-    },
-    Wire {
-        signal: "magnetometer select",
-        port: 'C',
-        pin: 4,
-        uses: Use::Output,
-    },
-    Wire {
-        signal: "I2C1_SCL",
-        port: 'B',
-        pin: 8,
-        uses: I2C,
-    },
-    Wire {
-        signal: "I2C1_SDA",
-        port: 'B',
-        pin: 9,
-        uses: I2C,
-    },
-    Wire {
-        signal: "USART2_TX",
-        port: 'D',
-        pin: 5,
-        uses: function(7),
-    },
-    Wire {
-        signal: "USART2_RX",
-        port: 'D',
-        pin: 6,
-        uses: function(7),
-    },
-    Wire {
-        signal: Line::ImuReady.name(),
-        port: 'C',
-        pin: 0,
-        uses: Use::Input,
-    },
-    Wire {
-        signal: Line::AccelThreshold.name(),
-        port: 'C',
-        pin: 1,
-        uses: Use::Input,
-    },
-    Wire {
-        signal: Line::MagEvent.name(),
-        port: 'C',
-        pin: 2,
-        uses: Use::Input,
-    },
-];
-
-/// Motors 1 to 4 leave on PC6 to PC9, motors 5 to 8 on PD12 to PD15.
-fn motor_wire(motor: usize) -> Wire {
-    const SIGNALS: [&str; MOTORS] = [
-        "TIM3_CH1", "TIM3_CH2", "TIM3_CH3", "TIM3_CH4", "TIM4_CH1", "TIM4_CH2", "TIM4_CH3",
-        "TIM4_CH4",
-    ];
-    let (port, pin) = match motor {
-        0..4 => ('C', 6 + motor as u32),
-        _ => ('D', 8 + motor as u32),
-    };
-    Wire {
-        signal: SIGNALS[motor],
-        port,
-        pin,
-        uses: function(2),
-    }
+pub(super) struct Wire {
+    pub(super) signal: &'static str,
+    pub(super) port: char,
+    pub(super) pin: u32,
+    pub(super) uses: Use,
 }
 
 /// Core-coupled memory, which the DMA controllers do not reach.
@@ -218,7 +113,7 @@ fn describe(uses: Use) -> String {
     }
 }
 
-/// Unmasked external interrupts that listen at another port than C.
+/// Unmasked external interrupts that listen at another port than the sensors'.
 fn line_problems(part: &Part) -> Vec<String> {
     let Some(registers) = part.bus().registers("EXTI") else {
         return Vec::new();
@@ -227,11 +122,14 @@ fn line_problems(part: &Part) -> Vec<String> {
     let ports = part.syscfg.ports();
     let wrong = Line::ALL.into_iter().filter_map(|line| {
         let pin = line.pin();
-        let port = char::from(b'A' + ports[usize::from(pin)]);
-        (mask >> pin & 1 != 0 && port != 'C').then(|| {
+        let port = ports[usize::from(pin)];
+        (mask >> pin & 1 != 0 && usize::from(port) != LINE_PORT).then(|| {
+            let letter = |port: u8| char::from(b'A' + port);
             format!(
-                "EXTI{pin} listens at P{port}{pin}, but {} is at PC{pin}",
-                line.name()
+                "EXTI{pin} listens at P{}{pin}, but {} is at P{}{pin}",
+                letter(port),
+                line.name(),
+                letter(LINE_PORT as u8)
             )
         })
     });

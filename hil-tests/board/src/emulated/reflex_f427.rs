@@ -1,0 +1,184 @@
+//! The reference board's wiring: crystal, buses, interrupt lines, motors.
+//!
+//! What `src/board/reflex_f427` tells the firmware is said here once more, by the schematic: the
+//! emulator finds a firmware that uses another pin.
+
+use std::sync::Arc;
+
+use rigless::device::Level;
+use rigless::soc::stm32f427::Stm32f427;
+use rigless::soc::stm32f427::peripherals::gpio::Pin;
+use rigless::soc::stm32f427::peripherals::spi::Select;
+
+use super::link::Link;
+use super::sensors::{ImuPeer, Sensors, SpiPeer};
+use super::wiring::{Use, Wire};
+use crate::motors::MOTORS;
+
+/// Crystal on the oscillator pins, in Hz.
+pub(super) const CRYSTAL_HZ: u64 = 8_000_000;
+
+/// Timers whose channels 1 to 4 drive motors, in the order of the motors.
+pub(super) const MOTOR_TIMERS: [&str; 2] = ["TIM3", "TIM4"];
+
+/// Port of every interrupt line by its number in SYSCFG_EXTICR, A = 0.
+pub(super) const LINE_PORT: usize = 2;
+
+/// Pins that resistors pull up, by port and pin: I2C1's clock and data.
+pub(super) const PULLED_UP: [(usize, u8); 2] = [(1, 8), (1, 9)];
+
+/// Hangs chips and link on the part's buses.
+pub(super) fn attach(soc: &mut Stm32f427, sensors: &Sensors, link: &Link) {
+    let select = |port, pin| Select {
+        port,
+        pin: Pin::new(pin).expect("a port has sixteen pins"),
+        active: Level::Low,
+    };
+    let [i2c1, ..] = &mut soc.i2c;
+    i2c1.attach(ImuPeer(Arc::clone(&sensors.imu)));
+    let [spi1, ..] = &mut soc.spi;
+    spi1.attach_selected(SpiPeer(Arc::clone(&sensors.accel)), select("GPIOA", 4));
+    spi1.attach_selected(SpiPeer(Arc::clone(&sensors.mag)), select("GPIOC", 4));
+    let [_, usart2, ..] = &mut soc.usart;
+    usart2.attach_boxed(Box::new(link.clone()));
+}
+
+/// An interrupt line from a sensor to the processor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Line {
+    /// MPU6050 INT on PC0.
+    ImuReady,
+    /// LSM303AGR INT_1_XL on PC1.
+    AccelThreshold,
+    /// LSM303AGR INT_MAG on PC2.
+    MagEvent,
+}
+
+impl Line {
+    /// Every line, in the order of its pin.
+    pub const ALL: [Self; 3] = [Self::ImuReady, Self::AccelThreshold, Self::MagEvent];
+
+    /// The pin of [`LINE_PORT`] that the line is wired to, and with it its EXTI line.
+    pub const fn pin(self) -> u8 {
+        match self {
+            Self::ImuReady => 0,
+            Self::AccelThreshold => 1,
+            Self::MagEvent => 2,
+        }
+    }
+
+    /// The chip and pin that drive the line, as the datasheets name them.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ImuReady => "MPU6050 INT",
+            Self::AccelThreshold => "LSM303AGR INT_1_XL",
+            Self::MagEvent => "LSM303AGR INT_MAG",
+        }
+    }
+}
+
+const fn function(number: u64) -> Use {
+    Use::Alternate {
+        number,
+        open_drain: false,
+    }
+}
+
+const I2C: Use = Use::Alternate {
+    number: 4,
+    open_drain: true,
+};
+
+/// Wires of which the firmware configures the pin.
+pub(super) const WIRES: [Wire; 12] = [
+    Wire {
+        signal: "SPI1_SCK",
+        port: 'A',
+        pin: 5,
+        uses: function(5),
+    },
+    Wire {
+        signal: "SPI1_MISO",
+        port: 'A',
+        pin: 6,
+        uses: function(5),
+    },
+    Wire {
+        signal: "SPI1_MOSI",
+        port: 'A',
+        pin: 7,
+        uses: function(5),
+    },
+    Wire {
+        signal: "accelerometer select",
+        port: 'A',
+        pin: 4,
+        uses: Use::Output,
+    },
+    Wire {
+        signal: "magnetometer select",
+        port: 'C',
+        pin: 4,
+        uses: Use::Output,
+    },
+    Wire {
+        signal: "I2C1_SCL",
+        port: 'B',
+        pin: 8,
+        uses: I2C,
+    },
+    Wire {
+        signal: "I2C1_SDA",
+        port: 'B',
+        pin: 9,
+        uses: I2C,
+    },
+    Wire {
+        signal: "USART2_TX",
+        port: 'D',
+        pin: 5,
+        uses: function(7),
+    },
+    Wire {
+        signal: "USART2_RX",
+        port: 'D',
+        pin: 6,
+        uses: function(7),
+    },
+    Wire {
+        signal: Line::ImuReady.name(),
+        port: 'C',
+        pin: 0,
+        uses: Use::Input,
+    },
+    Wire {
+        signal: Line::AccelThreshold.name(),
+        port: 'C',
+        pin: 1,
+        uses: Use::Input,
+    },
+    Wire {
+        signal: Line::MagEvent.name(),
+        port: 'C',
+        pin: 2,
+        uses: Use::Input,
+    },
+];
+
+/// Motors 1 to 4 leave on PC6 to PC9, motors 5 to 8 on PD12 to PD15.
+pub(super) fn motor_wire(motor: usize) -> Wire {
+    const SIGNALS: [&str; MOTORS] = [
+        "TIM3_CH1", "TIM3_CH2", "TIM3_CH3", "TIM3_CH4", "TIM4_CH1", "TIM4_CH2", "TIM4_CH3",
+        "TIM4_CH4",
+    ];
+    let (port, pin) = match motor {
+        0..4 => ('C', 6 + motor as u32),
+        _ => ('D', 8 + motor as u32),
+    };
+    Wire {
+        signal: SIGNALS[motor],
+        port,
+        pin,
+        uses: function(2),
+    }
+}
