@@ -1,4 +1,4 @@
-//! The reference board: an MPU6050 on I2C, an LSM303AGR on SPI, up to eight motors, one link.
+//! The reference board: MPU6050 on I2C, LSM303AGR on SPI, eight motors, one link.
 //!
 //! [`start`] brings the chip up and hands its parts to the tasks of `main.rs`. Pins:
 //!

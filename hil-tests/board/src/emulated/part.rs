@@ -20,7 +20,7 @@ use std::num::{NonZeroU32, NonZeroU64};
 use super::exti::Exti;
 use super::link::Link;
 use super::pwm_timer::{CHANNELS, PwmTimer};
-use super::reflex_f427::{self, CRYSTAL_HZ, LINE_PORT, MOTOR_TIMERS, PULLED_UP};
+use super::reflex_f427::{CRYSTAL_HZ, LINE_PORT, LINK_USART, MOTOR_TIMERS, PULLED_UP};
 use super::sensors::Sensors;
 use super::syscfg::Syscfg;
 use crate::{Edge, Line};
@@ -61,7 +61,8 @@ impl Part {
         let mut soc = Stm32f427::new()?;
         soc.rcc.attach_crystals(CRYSTAL_HZ, 0);
         soc.set_supply(SUPPLY_MV);
-        reflex_f427::attach(&mut soc, &sensors, &link);
+        sensors.attach(&mut soc);
+        soc.usart[LINK_USART].attach_boxed(Box::new(link.clone()));
         let [first, second] = MOTOR_TIMERS;
         let slots = Slots {
             exti: soc.bus().slot("EXTI")?,

@@ -3,16 +3,6 @@
 //! What `src/board/reflex_f427` tells the firmware is said here once more, by the schematic: the
 //! emulator finds a firmware that uses another pin.
 
-use std::sync::Arc;
-
-use rigless::device::Level;
-use rigless::soc::stm32f427::Stm32f427;
-use rigless::soc::stm32f427::peripherals::gpio::Pin;
-use rigless::soc::stm32f427::peripherals::spi::Select;
-
-use super::link::Link;
-use super::sensors::{ImuPeer, Sensors, SpiPeer};
-use super::wiring::{Use, Wire};
 use crate::motors::MOTORS;
 
 /// Crystal on the oscillator pins, in Hz.
@@ -27,21 +17,15 @@ pub(super) const LINE_PORT: usize = 2;
 /// Pins that resistors pull up, by port and pin: I2C1's clock and data.
 pub(super) const PULLED_UP: [(usize, u8); 2] = [(1, 8), (1, 9)];
 
-/// Hangs chips and link on the part's buses.
-pub(super) fn attach(soc: &mut Stm32f427, sensors: &Sensors, link: &Link) {
-    let select = |port, pin| Select {
-        port,
-        pin: Pin::new(pin).expect("a port has sixteen pins"),
-        active: Level::Low,
-    };
-    let [i2c1, ..] = &mut soc.i2c;
-    i2c1.attach(ImuPeer(Arc::clone(&sensors.imu)));
-    let [spi1, ..] = &mut soc.spi;
-    spi1.attach_selected(SpiPeer(Arc::clone(&sensors.accel)), select("GPIOA", 4));
-    spi1.attach_selected(SpiPeer(Arc::clone(&sensors.mag)), select("GPIOC", 4));
-    let [_, usart2, ..] = &mut soc.usart;
-    usart2.attach_boxed(Box::new(link.clone()));
-}
+/// Places of I2C1, SPI1 and USART2 among the emulator's: the inertial sensor's bus, the bus of the
+/// other chips, and the link.
+pub(super) const IMU_I2C: usize = 0;
+pub(super) const CHIPS_SPI: usize = 0;
+pub(super) const LINK_USART: usize = 1;
+
+/// Chip selects of accelerometer and magnetometer, by port and pin.
+pub(super) const ACCEL_SELECT: (&str, u8) = ("GPIOA", 4);
+pub(super) const MAG_SELECT: (&str, u8) = ("GPIOC", 4);
 
 /// An interrupt line from a sensor to the processor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -75,6 +59,27 @@ impl Line {
             Self::MagEvent => "LSM303AGR INT_MAG",
         }
     }
+}
+
+/// How a pin must be configured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Use {
+    Input,
+    Output,
+    /// Alternate function, and whether its output stage is open drain.
+    Alternate {
+        number: u64,
+        open_drain: bool,
+    },
+}
+
+/// A wire: what it is, and the pin it ends at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wire {
+    pub(super) signal: &'static str,
+    pub(super) port: char,
+    pub(super) pin: u32,
+    pub(super) uses: Use,
 }
 
 const fn function(number: u64) -> Use {

@@ -8,9 +8,13 @@ use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rigless::chip::{Timeline, i2c, spi};
+use rigless::device::Level;
 use rigless::snapshot::Store;
+use rigless::soc::stm32f427::Stm32f427;
+use rigless::soc::stm32f427::peripherals::gpio::Pin;
+use rigless::soc::stm32f427::peripherals::spi::Select;
 
-use crate::Line;
+use super::reflex_f427::{ACCEL_SELECT, CHIPS_SPI, IMU_I2C, Line, MAG_SELECT};
 use chip_models::{I2cChip, SharedChips, SpiChip};
 
 /// The chips of the board, each shared with its owner.
@@ -41,6 +45,19 @@ impl fmt::Debug for Sensors {
 }
 
 impl Sensors {
+    /// Hangs the chips on the part's buses, as the board is wired.
+    pub(super) fn attach(&self, soc: &mut Stm32f427) {
+        let select = |(port, pin)| Select {
+            port,
+            pin: Pin::new(pin).expect("a port has sixteen pins"),
+            active: Level::Low,
+        };
+        soc.i2c[IMU_I2C].attach(ImuPeer(Arc::clone(&self.imu)));
+        let spi = &mut soc.spi[CHIPS_SPI];
+        spi.attach_selected(SpiPeer(Arc::clone(&self.accel)), select(ACCEL_SELECT));
+        spi.attach_selected(SpiPeer(Arc::clone(&self.mag)), select(MAG_SELECT));
+    }
+
     /// Produces every sample due until `now_ns`.
     pub(super) fn advance(&self, now_ns: u64) {
         lock(&self.imu).advance(now_ns);
@@ -65,8 +82,7 @@ fn lock<T: ?Sized>(chip: &Mutex<T>) -> MutexGuard<'_, T> {
     chip.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A chip as the emulator's I2C sees it.
-pub(super) struct ImuPeer(pub(super) Arc<Mutex<dyn I2cChip>>);
+struct ImuPeer(Arc<Mutex<dyn I2cChip>>);
 
 impl fmt::Debug for ImuPeer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -94,8 +110,7 @@ impl i2c::Peer for ImuPeer {
     }
 }
 
-/// A chip as the emulator's SPI sees it.
-pub(super) struct SpiPeer(pub(super) Arc<Mutex<dyn SpiChip>>);
+struct SpiPeer(Arc<Mutex<dyn SpiChip>>);
 
 impl fmt::Debug for SpiPeer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -9,29 +9,8 @@ use rigless::mcu::Mcu;
 use rigless::soc::stm32f427::generated::{dma2, exti, gpioa};
 
 use super::part::Part;
-use super::reflex_f427::{LINE_PORT, Line, WIRES, motor_wire};
+use super::reflex_f427::{LINE_PORT, Line, Use, WIRES, Wire, motor_wire};
 use crate::motors::MOTORS;
-
-/// How a pin must be configured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Use {
-    Input,
-    Output,
-    /// Alternate function, and whether its output stage is open drain.
-    Alternate {
-        number: u64,
-        open_drain: bool,
-    },
-}
-
-/// A wire: what it is, and the pin it ends at.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Wire {
-    pub(super) signal: &'static str,
-    pub(super) port: char,
-    pub(super) pin: u32,
-    pub(super) uses: Use,
-}
 
 /// Core-coupled memory, which the DMA controllers do not reach.
 const CCM: std::ops::Range<u64> = 0x1000_0000..0x1001_0000;
