@@ -45,10 +45,11 @@ pub use summary::summary;
 pub(crate) use table::Table;
 
 use oracle::Track;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The warm-up that came before what is scored.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct WarmUp {
     /// False where the flight ended first; nothing is scored then.
     pub ended: bool,
@@ -59,7 +60,7 @@ pub struct WarmUp {
 }
 
 /// Every number that follows from a flight alone.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Score {
     /// Length of the flight in seconds of the firmware's clock, warm-up included.
     pub duration_s: f64,

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::interval::Interval;
@@ -12,7 +13,7 @@ use super::sortie::{Sortie, Tier};
 use crate::closed_loop::report::FlightReport;
 
 /// What a flight is judged by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Metric {
     /// Root of the sum of the squared errors of all three axes.
@@ -30,7 +31,7 @@ pub enum Metric {
 }
 
 /// Which flights are compared with which, under the same seed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Comparison {
     /// Its name in figures and JSON.
     pub name: &'static str,
@@ -100,7 +101,7 @@ pub const COMPARISONS: [Comparison; 11] = [
 ];
 
 /// How one airframe with one logic compares in one environment.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Cell {
     /// Name of the environment.
     pub environment: String,
@@ -117,7 +118,7 @@ pub struct Cell {
 }
 
 /// A comparison over all cells.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Compared {
     /// Who is compared with whom.
     #[serde(flatten)]

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::Result;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::comparison::{self, COMPARISONS, Compared, Comparison, Metric, Pair};
@@ -15,7 +16,7 @@ use super::sortie::{Sortie, Tier};
 use super::tuning::{self, Tuning};
 
 /// Everything, of whatever has been flown so far.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Findings {
     /// Name of the plan.
     pub plan: String,
@@ -56,7 +57,7 @@ pub struct Findings {
 }
 
 /// One value for each tier.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct ByTier<T> {
     /// The library alone.
     pub native: T,
@@ -65,7 +66,7 @@ pub struct ByTier<T> {
 }
 
 /// A setting of reactive control, and how much better than 400 Hz it is.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Swept {
     /// `p_run` or `failsafe_s`.
     pub parameter: &'static str,
@@ -77,7 +78,7 @@ pub struct Swept {
 }
 
 /// What the flights of one cell in one role come to.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Means {
     /// Name of the environment.
     pub environment: String,

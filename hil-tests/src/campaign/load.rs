@@ -4,6 +4,7 @@
 //! link, `c` for a run. Two emulated flights give both. Where reactive control is as busy as that
 //! at some rate, the two take equal processor time.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::journal::Records;
@@ -13,7 +14,7 @@ use super::sortie::{PERIODS_US, Sortie, Tier};
 use crate::closed_loop::report::FlightReport;
 
 /// What a run of time-triggered control takes of the processor.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Line {
     /// Busy share without any run.
     pub idle: f64,
@@ -22,7 +23,7 @@ pub struct Line {
 }
 
 /// How busy reactive control keeps the processor.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Load {
     /// Name of the environment.
     pub environment: String,

@@ -5,6 +5,7 @@
 //! 20 ms late, hovering in the wind of the environment that they are for. Loops bear a strain where
 //! the drone hardly turns; what has no margin left oscillates, ten times as fast or more.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::journal::Records;
@@ -17,7 +18,7 @@ use super::sortie::Sortie;
 const MOST_TURNING: f64 = 0.3;
 
 /// How fast a policy may make the loops of one cell.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Tuning {
     /// Name of the environment.
     pub environment: String,

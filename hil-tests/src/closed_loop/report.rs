@@ -1,12 +1,13 @@
 //! What a simulated flight came to, as JSON and as text.
 
 use anyhow::Result;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scoring::ByReason;
 
 /// The whole flight. The scored part begins when the drone is up and has learned.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FlightReport {
     /// Name of the environment.
     pub environment: String,
@@ -59,7 +60,7 @@ pub struct FlightReport {
 }
 
 /// How a flight ended before its time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CrashReport {
     /// When, s from take-off.
     pub at_s: f64,
@@ -74,7 +75,7 @@ pub struct CrashReport {
 }
 
 /// One error per axis; none where that axis was never asked for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AxisErrors {
     /// About the forward axis.
     pub roll: Option<f64>,
@@ -85,7 +86,7 @@ pub struct AxisErrors {
 }
 
 /// When control ran.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Control {
     /// Mean runs per second in the scored part.
     pub rate_hz: Option<f64>,
@@ -100,7 +101,7 @@ pub struct Control {
 }
 
 /// What the processor did.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Cpu {
     /// Share of the time that the core was awake.
     pub busy_fraction: f64,

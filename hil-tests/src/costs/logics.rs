@@ -9,6 +9,7 @@ use reflex::dataflow::Source;
 use reflex::graph::ControlLogic;
 use reflex_bench::step::Step;
 use reflex_bench::{STEPS, STEPS_SYMBOL, WAYS};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::program::{Program, at_rest};
@@ -28,7 +29,7 @@ const BLOCKS: usize = 4;
 type Counts = Vec<u64>;
 
 /// What a control logic costs.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct LogicCost {
     /// Its name.
     pub name: String,
@@ -52,7 +53,7 @@ pub struct LogicCost {
 }
 
 /// Mean instructions of a step, in each way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct WayCost {
     /// One function that computes everything.
     pub time_triggered: u64,
@@ -65,7 +66,7 @@ pub struct WayCost {
 }
 
 /// What the runs of a recorded flight cost.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct FlightCost {
     /// The flight's name.
     pub log: String,

@@ -1,12 +1,13 @@
 //! What everything costs, against its limits: as a table and as JSON.
 
 use anyhow::Result;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::logics::LogicCost;
 
 /// All costs.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Costs {
     /// Instructions of the emulated core in a second.
     pub core_hz: u64,
@@ -21,7 +22,7 @@ pub struct Costs {
 }
 
 /// What one part costs.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Cost {
     /// What it is.
     pub name: String,
@@ -38,7 +39,7 @@ pub struct Cost {
 }
 
 /// Bytes of memory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Memory {
     /// Vectors, code, constants, first values of variables.
     pub flash: u32,

@@ -1,12 +1,13 @@
 //! The graph as data: what `cargo hil graph --json` prints.
 
 use reflex::dataflow::{Described, Description, Kind, Read, Source};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::scene::type_words;
 
 /// A whole graph.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct GraphData {
     /// Its type's name.
     pub name: &'static str,
@@ -19,7 +20,7 @@ pub struct GraphData {
 }
 
 /// One value.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct ValueData {
     /// Its name.
     pub name: &'static str,
@@ -47,7 +48,7 @@ pub struct ValueData {
 }
 
 /// A value that a function is given.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
 pub struct ReadData {
     /// Its name.
     pub name: &'static str,

@@ -4,6 +4,7 @@ use super::deviation::finite;
 use super::flight::Flight;
 use super::reason::ByReason;
 use reflex::app::Reason;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// One run's latency.
@@ -18,7 +19,7 @@ pub struct LatencySample {
 }
 
 /// Percentiles by nearest rank: each one is a value that occurred.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Quantiles {
     /// How many values there were.
     pub count: u64,

@@ -3,6 +3,7 @@
 use reflex::sensors::Input;
 use reflex::settings::{Declared, Policy, Settings};
 use reflex_settings::{Kind, Setting, Value, Written};
+use schemars::{Schema, SchemaGenerator, json_schema};
 use serde::Serializer;
 use serde::ser::SerializeMap;
 
@@ -50,4 +51,18 @@ pub(super) fn named<S: Serializer>(settings: &Settings, to: S) -> Result<S::Ok, 
         }
     }
     map.end()
+}
+
+/// What [`named`] writes, for the page of reports.
+pub(super) fn described(_: &mut SchemaGenerator) -> Schema {
+    let fields = Settings::SETTINGS.iter();
+    let fields: serde_json::Map<_, _> = fields
+        .map(|setting| {
+            (
+                report_name(setting),
+                json_schema!({ "description": setting.meaning }).into(),
+            )
+        })
+        .collect();
+    json_schema!({ "type": "object", "properties": fields })
 }

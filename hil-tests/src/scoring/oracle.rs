@@ -9,10 +9,11 @@
 use super::deviation::{Deviation, differs};
 use super::flight::{Command, Scored};
 use super::rules::Rules;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The oracle with the configured quantum: how few runs would have kept every command fresh.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Oracle {
     /// Runs after warm-up.
     pub runs: u64,
@@ -23,7 +24,7 @@ pub struct Oracle {
 }
 
 /// The oracle with a dead-band that makes it run as often as the policy.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct OracleEqual {
     /// Runs after warm-up: as near to the policy's as a dead-band gets.
     pub runs: u64,

@@ -8,6 +8,7 @@
 use super::deviation::{Deviation, rate};
 use super::flight::{Command, Flight, Scored};
 use super::rules::Rules;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// What a periodic autopilot did in one hyperperiod.
@@ -20,7 +21,7 @@ pub struct Held {
 }
 
 /// Periodic control at equal runs.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct PeriodicEqual {
     /// Runs after warm-up: as near to the policy's as a rate gets.
     pub runs: u64,

@@ -1,10 +1,11 @@
 //! One value for every reason that a run may have.
 
 use reflex::app::Reason;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// One value per reason, under the names of the report.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ByReason<T> {
     /// Time-triggered, to learn the models.
     pub warm_up: T,

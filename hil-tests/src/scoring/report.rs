@@ -2,14 +2,15 @@
 
 use super::Score;
 use super::latency::Quantiles;
-use super::options::named;
+use super::options::{described, named};
 use super::reason::ByReason;
 use reflex::settings::Settings;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// The report, one flat JSON object.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Report {
     /// What was replayed, how, and on what.
     #[serde(flatten)]
@@ -20,7 +21,7 @@ pub struct Report {
 }
 
 /// What was replayed, how, and on what; and what the board showed.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RunReport {
     /// The log's path as it was given.
     pub log: String,
@@ -57,7 +58,7 @@ pub struct RunReport {
 }
 
 /// Who plays the board in a replay.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Tier {
     /// An emulator that runs the firmware's ELF.
@@ -67,12 +68,13 @@ pub enum Tier {
 }
 
 /// Options in effect, in the spelling of the command line.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Options {
     /// Name of the control logic.
     pub logic: String,
     /// The autopilot's settings.
     #[serde(flatten, serialize_with = "named")]
+    #[schemars(schema_with = "described")]
     pub settings: Settings,
     /// Rotation from the log's axes to the board's.
     pub rotate: String,
@@ -83,7 +85,7 @@ pub struct Options {
 }
 
 /// Where the setpoint of a replay came from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SetpointSource {
     /// The log records it.
@@ -104,7 +106,7 @@ impl SetpointSource {
 }
 
 /// A stretch without samples in the log.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Gap {
     /// Start in seconds of the log.
     pub start_s: f64,
@@ -113,7 +115,7 @@ pub struct Gap {
 }
 
 /// What the firmware takes of the chip.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Firmware {
     /// Bytes of flash.
     pub flash_bytes: u64,
@@ -124,7 +126,7 @@ pub struct Firmware {
 }
 
 /// What a sensor's model came to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ModelState {
     /// The log lacks the sensor.
@@ -154,7 +156,7 @@ impl ModelState {
 }
 
 /// One triggering input at the end of the replay.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Sensor {
     /// Name of the input, chip first.
     pub name: String,
@@ -185,7 +187,7 @@ pub struct Sensor {
 }
 
 /// One part of the way from the gyro's interrupt to the motor registers.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct LatencyPart {
     /// What happens in it.
     pub part: String,
@@ -194,7 +196,7 @@ pub struct LatencyPart {
 }
 
 /// Load of the processor after warm-up.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Cpu {
     /// Share of time in which it did not sleep; null over no time.
     pub busy_fraction: Option<f64>,
@@ -203,7 +205,7 @@ pub struct Cpu {
 }
 
 /// How long the board took, in its own time.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct BoardTime {
     /// Virtual seconds that the board ran, start-up included.
     pub virtual_s: f64,

@@ -5,10 +5,11 @@ use super::flight::{Flight, Step, seconds};
 use super::judge::{Class, Judged};
 use super::reason::ByReason;
 use super::rules::Rules;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// How often control ran, and why.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Control {
     /// Runs of every reason: the sum of `by_reason`.
     pub runs: u64,
@@ -19,7 +20,7 @@ pub struct Control {
 }
 
 /// How the decisions of the hyperperiods turned out; all six kinds add up to them.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Decisions {
     /// A trigger asked for a run and the command had changed.
     pub true_positive: u64,
@@ -38,7 +39,7 @@ pub struct Decisions {
 }
 
 /// What the motors held against the reference.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Actuators {
     /// Share of hyperperiods that ended a quantum or more away; null without any.
     pub stale_fraction: Option<f64>,
@@ -55,7 +56,7 @@ pub struct Actuators {
 }
 
 /// What the models expected of the runs that they asked for, and what came of those.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Calibration {
     /// Runs that a model asked for.
     pub triggers: u64,
@@ -66,7 +67,7 @@ pub struct Calibration {
 }
 
 /// All of them over one stretch of a flight.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Section {
     /// How often control ran, and why.
     pub control: Control,
@@ -79,7 +80,7 @@ pub struct Section {
 }
 
 /// One window of the flight, as long as the others or, the last, shorter.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Window {
     /// Start in seconds of the flight.
     pub start_s: f64,

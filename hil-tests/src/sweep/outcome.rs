@@ -1,5 +1,6 @@
 //! The few numbers of a score that a sweep compares.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::scoring::Score;
@@ -8,7 +9,7 @@ use crate::scoring::Score;
 ///
 /// Rates count every run, exploration too: so do those of the baselines. What has no value is
 /// `None`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Outcome {
     /// Runs per second.
     pub runs_per_s: Option<f64>,

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use reflex::settings::Settings;
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -13,7 +14,7 @@ use crate::replay::options_in_effect;
 use crate::scoring::Score;
 
 /// The report, one JSON object.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct SweepReport {
     /// Every option in effect, as in a replay's report; a swept one is the list of its values.
     pub options: Value,
@@ -36,7 +37,7 @@ pub struct SweepReport {
 }
 
 /// One log flown with one point's settings.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct SweepPoint {
     /// The log's path.
     pub log: String,
@@ -49,7 +50,7 @@ pub struct SweepPoint {
 }
 
 /// The settings that a sweep can vary.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct At {
     /// Probability of a change above which control runs.
     pub p_run: f64,
@@ -60,7 +61,7 @@ pub struct At {
 }
 
 /// The medians of one point.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Median {
     /// Where in the grid.
     #[serde(flatten)]

@@ -1,27 +1,32 @@
-//! `docs/commands.md`: every command and option, written from their declarations.
+//! The pages of `docs/` that are written from the program's declarations.
 //!
 //! `REFLEX_BLESS=1 cargo test -p hil-tests --profile hil --ignore-rust-version reference` rewrites
-//! the page; without the variable the page must be what the program says.
+//! them; without the variable each page must be what the program says.
 
-use std::fmt::Write;
+mod commands;
+mod reports;
+
 use std::path::Path;
 
-use clap::{Arg, Command, CommandFactory};
+use clap::CommandFactory;
 
 use crate::commands::Cli;
 
-const PREFACE: &str = "\
-# Commands
-
-This page is written from the program's own declarations, and a test keeps it so. Every command refuses
-wrong input in one line on stderr with exit code 2, and ends with exit code 1 where it fails. With `--json`
-a command prints one JSON object on stdout and nothing else there; [reports.md](reports.md) lists the fields.
-";
+#[test]
+fn the_page_of_commands_is_what_the_program_takes() {
+    agree("commands.md", &commands::page(&Cli::command()));
+}
 
 #[test]
-fn the_page_of_commands_says_what_the_program_takes() {
-    let page = page(&Cli::command());
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/commands.md");
+fn the_page_of_reports_is_what_the_program_prints_as_json() {
+    agree("reports.md", &reports::page());
+}
+
+/// Compares a page with what the program says, or rewrites it.
+fn agree(name: &str, page: &str) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../docs")
+        .join(name);
     if std::env::var_os("REFLEX_BLESS").is_some_and(|flag| flag == "1") {
         std::fs::write(&file, page).expect("docs/ is writable");
         return;
@@ -29,81 +34,8 @@ fn the_page_of_commands_says_what_the_program_takes() {
     let written = std::fs::read_to_string(&file).unwrap_or_default();
     assert!(
         written == page,
-        "docs/commands.md differs from the program: look at it, then REFLEX_BLESS=1"
+        "docs/{name} differs from the program: look at it, then REFLEX_BLESS=1"
     );
-}
-
-fn page(program: &Command) -> String {
-    let sections = program
-        .get_subcommands()
-        .filter(|command| !command.is_hide_set())
-        .map(section);
-    [PREFACE.to_owned()]
-        .into_iter()
-        .chain(sections)
-        .collect::<Vec<_>>()
-        .join("\n")
-}
-
-fn section(command: &Command) -> String {
-    let (name, about) = (command.get_name(), command.get_about());
-    let mut text = format!("## `cargo hil {name}`\n\n");
-    let _ = writeln!(
-        text,
-        "{}.",
-        about.map(ToString::to_string).unwrap_or_default()
-    );
-    let shown = |argument: &&Arg| !argument.is_hide_set() && argument.get_id() != "help";
-    let rows: Vec<String> = command.get_arguments().filter(shown).map(row).collect();
-    if !rows.is_empty() {
-        let _ = writeln!(text, "\n| option | meaning | default |\n|---|---|---|");
-        text.extend(rows);
-    }
-    text
-}
-
-/// One row: the argument as it is typed, its help, its default.
-fn row(argument: &Arg) -> String {
-    let help = argument.get_help().map(ToString::to_string);
-    let help = help.unwrap_or_default();
-    let (meaning, default) = match help.split_once(" [default: ") {
-        Some((meaning, default)) => (meaning, default.trim_end_matches(']').to_owned()),
-        None => (help.as_str(), declared_default(argument)),
-    };
-    format!(
-        "| `{}` | {} | {default} |\n",
-        typed(argument),
-        cell(meaning)
-    )
-}
-
-fn declared_default(argument: &Arg) -> String {
-    let takes_value = argument.get_action().takes_values();
-    match argument.get_default_values() {
-        [value] if takes_value => format!("`{}`", value.to_string_lossy()),
-        _ => "-".to_owned(),
-    }
-}
-
-/// The argument as it is typed: `--rate HZ`, `--policy reactive\|periodic`, `LOG`.
-fn typed(argument: &Arg) -> String {
-    let value = value_of(argument);
-    match (argument.get_long(), argument.get_action().takes_values()) {
-        (None, _) => value,
-        (Some(long), false) => format!("--{long}"),
-        (Some(long), true) => format!("--{long} {value}"),
-    }
-}
-
-fn value_of(argument: &Arg) -> String {
-    let choices = argument.get_possible_values();
-    if !choices.is_empty() {
-        let names: Vec<&str> = choices.iter().map(|choice| choice.get_name()).collect();
-        return names.join("\\|");
-    }
-    let names = argument.get_value_names().unwrap_or_default();
-    let names: Vec<String> = names.iter().map(|name| cell(name)).collect();
-    names.join(" ")
 }
 
 /// Text that a table's cell can hold.
