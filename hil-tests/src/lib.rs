@@ -8,7 +8,7 @@
 //! - [`replay`]: a recorded flight on the emulated board; [`scoring`] judges what happened
 //! - [`campaign`]: hundreds of hours of closed-loop flights, compared and reported
 //! - [`closed_loop`]: a simulated drone in wind instead of a recorded flight
-//! - [`native`]: the same flights without the emulator, a hundred times as fast
+//! - `native`: the same flights without the emulator, a hundred times as fast
 //! - [`costs`]: instructions, memory and locks of the firmware, against limits
 //! - [`sweep`]: many of those over a grid of settings, drawn with [`plot`]
 //! - [`picture`]: control logics drawn as graphs
