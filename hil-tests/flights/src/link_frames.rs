@@ -3,7 +3,7 @@
 //! | message | when |
 //! |---|---|
 //! | HEARTBEAT | every second from the start |
-//! | SET_ATTITUDE_TARGET | 50 Hz, from 0.3 s before the flight: attitude, rates (see [`ignored`]) and thrust |
+//! | SET_ATTITUDE_TARGET | 50 Hz, from 0.3 s before the flight: attitude, rates (see `ignored`) and thrust |
 //! | COMMAND_LONG, arm | 0.2, 0.15, 0.1 and 0.05 s before the flight |
 //! | ODOMETRY | 10 Hz in flight, where the log has a valid position |
 

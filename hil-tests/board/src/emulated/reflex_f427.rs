@@ -42,7 +42,7 @@ impl Line {
     /// Every line, in the order of its pin.
     pub const ALL: [Self; 3] = [Self::ImuReady, Self::AccelThreshold, Self::MagEvent];
 
-    /// The pin of [`LINE_PORT`] that the line is wired to, and with it its EXTI line.
+    /// The pin of `LINE_PORT` that the line is wired to, and with it its EXTI line.
     pub const fn pin(self) -> u8 {
         match self {
             Self::ImuReady => 0,
