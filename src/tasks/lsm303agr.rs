@@ -83,7 +83,7 @@ fn half(input: Input) -> Result<Half, OrderError> {
     match input {
         Input::ChipAccel => Ok(Half::Accel),
         Input::ChipMag => Ok(Half::Mag),
-        _ => Err(OrderError::Identity),
+        Input::Gyro | Input::Accel | Input::Turned | Input::Command => Err(OrderError::Identity),
     }
 }
 
