@@ -156,7 +156,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         }
     }
 
-    /// Shows the command that a run would come to.
+    /// Shows the command that a run would compute.
     fn foresee(&mut self, at: Instant, motion: &Motion) {
         self.graph.take(motion, self.sensing.heading_error(at));
         let foreseen = self.graph.foresee();
@@ -232,9 +232,9 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
 
     /// The graph takes the motion so far; the motors keep their command.
     ///
-    /// What states come to depends on what held while time passed, as the setpoint and
-    /// saturation. Where that changes between runs, what is past is taken first, so that states
-    /// do not depend on how often control runs. Not inlined: in its many places it would cost 2 KiB.
+    /// States depend on what held while time passed, such as the setpoint and saturation. Where
+    /// that changes between runs, the motion so far is taken first, so that states do not depend
+    /// on how often control runs. Not inlined: in its many places it would cost 2 KiB.
     #[inline(never)]
     fn advance(&mut self, now: Instant) {
         let motion = self.sensing.take_motion();
@@ -264,7 +264,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         self.reactive.deadline()
     }
 
-    /// Looked at in every run, whoever asked for it: a drone that tumbles without its gyroscope
+    /// Checked in every run, whatever its reason: a drone that tumbles without its gyroscope
     /// may be run by the other chip often enough that the failsafe never is.
     fn check_silences(&mut self, now: Instant) {
         if self.sensing.notice_silence(now) {

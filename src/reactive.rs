@@ -139,7 +139,7 @@ impl Reactive {
         }
     }
 
-    /// True where the command that a run would come to is worth foreseeing.
+    /// True where the command that a run would compute is worth foreseeing.
     ///
     /// Time-triggered control need not foresee what it computes anyway.
     #[must_use]
@@ -147,7 +147,7 @@ impl Reactive {
         self.phase() == Phase::Reactive && self.learners.lesson(Input::Command).triggers
     }
 
-    /// Takes the command that a run now would come to.
+    /// Takes the command that a run would compute now.
     pub fn take_foreseen(&mut self, command: &MotorShares) {
         if self.learners.command_calls(command) {
             self.schedule.ask(Input::Command);

@@ -30,7 +30,7 @@ pub fn given_params(plan: &Plan) -> TokenStream {
     quote!(#(#given),*)
 }
 
-/// `let NAME = ...;` for all values before anything came in: what nodes come to, too.
+/// `let NAME = ...;` for all values before anything came in. Nodes are computed from the others.
 ///
 /// The parameters that are given are there already.
 pub fn start(plan: &Plan) -> TokenStream {

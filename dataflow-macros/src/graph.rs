@@ -43,7 +43,7 @@ pub fn graph(plan: &Plan) -> TokenStream {
     }
 }
 
-/// Starting values, and what the nodes come to from them: nothing is ever stale.
+/// Starting values, and the nodes computed from them: nothing is ever stale.
 fn new(plan: &Plan) -> TokenStream {
     let (given, start) = (given_params(plan), start(plan));
     let names = plan.graph.values.iter().map(|value| &value.name);
@@ -177,7 +177,7 @@ fn recompute(plan: &Plan) -> TokenStream {
     }
 }
 
-/// What an output would come to, leaving no trace.
+/// Computes what an output would be after a run, and changes nothing.
 fn foresee(plan: &Plan) -> TokenStream {
     let outputs = plan.graph.values.iter().filter(|it| it.is_output());
     let methods = outputs.map(|output| {

@@ -118,7 +118,7 @@ inputs! {
     /// Angle turned since the last run.
     Turned { name: "angle_turned", key: "turned", unit: Unit::Named("rad"), source: Derived }
     ---
-    /// Command that a run would come to, against the one applied.
+    /// Command that a run would compute, against the one applied.
     Command { name: "command_change", key: "command", unit: Unit::Quantum }
 }
 

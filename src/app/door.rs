@@ -34,7 +34,7 @@ numbered! {
         MagStuck,
         /// A setpoint, a goal, a pose or a model with a value that is not finite: not used.
         NotFinite,
-        /// The control logic came to a command that is not finite: the applied one stayed.
+        /// The control logic computed a command that is not finite: the applied one stayed.
         Command,
         /// The link's ring was overtaken: bytes were lost.
         LinkOverrun,

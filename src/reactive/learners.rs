@@ -80,7 +80,7 @@ impl Learners {
         self.calls(Input::Turned, self.turned_before + since_last_run)
     }
 
-    /// True where the command that a run would come to calls for it.
+    /// True where the command that a run would compute calls for it.
     pub(super) fn command_calls(&mut self, command: &MotorShares) -> bool {
         self.command.calls(*command)
     }
