@@ -13,9 +13,8 @@ use reflex::sensors::{GRAVITY, ImuSample, Input};
 use reflex::settings::{Pairs, Reference};
 use reflex::time::{at_micros, micros};
 use reflex::units::{BodyRates, SpecificForce, Thrust};
+use reflex_bench::marks::{measured, rounds};
 use reflex_bench::{ARRIVAL, FADE, FORESEE, HOLDS, LABEL, RUN};
-
-use crate::program::{measured, rounds};
 
 /// Corner of the angular acceleration's filter, in Hz.
 const CUTOFF: f32 = 20.0;

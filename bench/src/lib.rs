@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 pub mod digest;
+pub mod marks;
 pub mod step;
 pub mod ways;
 

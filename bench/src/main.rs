@@ -19,11 +19,10 @@ fn main() {
 
 #[cfg(target_os = "none")]
 mod program {
-    use core::hint::black_box;
-
     use defmt_rtt as _;
     use panic_probe as _;
-    use reflex_bench::{NOTHING, Part};
+    use reflex_bench::NOTHING;
+    use reflex_bench::marks::{done, measured, rounds};
     use stm32f4xx_hal as _;
 
     use crate::{flight, refits, triggers};
@@ -41,31 +40,5 @@ mod program {
         loop {
             cortex_m::asm::wfi();
         }
-    }
-
-    /// Measures a part as often as it asks for.
-    pub fn rounds(part: Part, each: impl FnMut(usize)) {
-        (0..part.rounds).for_each(each);
-    }
-
-    /// Calls what is measured between two marks.
-    #[inline(always)]
-    pub fn measured<T>(call: impl FnOnce() -> T) -> T {
-        mark();
-        let result = black_box(call());
-        mark();
-        result
-    }
-
-    /// The instant that is watched.
-    #[inline(never)]
-    fn mark() {
-        black_box(());
-    }
-
-    /// Nothing is measured any more.
-    #[inline(never)]
-    fn done() {
-        black_box(true);
     }
 }

@@ -7,9 +7,8 @@ use oorandom::Rand32;
 use reflex::config::{Changes, of_input};
 use reflex::reactive::{BIN_COUNT, Decision, Fit, Label, Labels, Logistic, RefitJob};
 use reflex::sensors::Input;
+use reflex_bench::marks::{measured, rounds};
 use reflex_bench::{REFIT, SWAP, WORST_REFIT};
-
-use crate::program::{measured, rounds};
 
 pub fn measure() {
     rounds(SWAP, |round| {

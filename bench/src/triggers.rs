@@ -7,9 +7,8 @@ use reflex::config::MOTORS;
 use reflex::math::Vec3;
 use reflex::reactive::{Decision, Fit, Logistic, Sample, Watch};
 use reflex::settings::Reference;
+use reflex_bench::marks::{measured, rounds};
 use reflex_bench::{AXES_ABOVE, AXES_BELOW, COMMAND_ABOVE, COMMAND_BELOW};
-
-use crate::program::{measured, rounds};
 
 /// A model whose threshold is 0.1 at a probability of 0.5.
 const MODEL: Fit = Fit::Model(Logistic { b1: -1.0, b2: 10.0 });

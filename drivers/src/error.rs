@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::registers::{lsm303agr, mpu6050};
+
 /// The part of a package that a driver talks to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
@@ -29,9 +31,9 @@ impl Chip {
     #[must_use]
     pub const fn register_name(self, address: u8) -> &'static str {
         match self {
-            Self::Lsm303agrAccelerometer => crate::lsm303agr::register::accelerometer_name(address),
-            Self::Lsm303agrMagnetometer => crate::lsm303agr::register::magnetometer_name(address),
-            Self::Mpu6050 => crate::mpu6050::register::name(address),
+            Self::Lsm303agrAccelerometer => lsm303agr::accelerometer_name(address),
+            Self::Lsm303agrMagnetometer => lsm303agr::magnetometer_name(address),
+            Self::Mpu6050 => mpu6050::name(address),
         }
     }
 }

@@ -31,6 +31,7 @@ pub mod legacy_hal;
 pub mod lsm303agr;
 pub mod mpu6050;
 pub mod quantity;
+mod registers;
 pub mod threshold;
 
 pub use error::{Chip, Error};

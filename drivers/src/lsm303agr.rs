@@ -19,21 +19,23 @@
 
 mod accelerometer;
 mod codes;
+mod full_scale;
 pub mod halves;
 mod magnetometer;
 mod port;
-pub mod register;
 mod sample;
 mod setup;
 mod three_wire;
 
+pub use crate::registers::lsm303agr as register;
 pub use accelerometer::Accelerometer;
 pub use codes::{AccelThreshold, MagThreshold, ThresholdDuration};
+pub use full_scale::AccelFullScale;
 pub use magnetometer::Magnetometer;
 pub use sample::{AccelCounts, AccelSource, MAG_STEP, MagCounts, MagOffset, MagSource, Status};
 pub use setup::{
-    AccelDataRate, AccelFullScale, AccelInterrupt, AccelMode, AccelOutput, AccelPin, Axes,
-    HighPass, HighPassCorner, HighPassMode, MagCompare, MagInterrupt, MagPin,
+    AccelDataRate, AccelInterrupt, AccelMode, AccelOutput, AccelPin, Axes, HighPass,
+    HighPassCorner, HighPassMode, MagCompare, MagInterrupt, MagPin,
 };
 pub use three_wire::ThreeWire;
 

@@ -14,7 +14,6 @@
 mod burst;
 mod check;
 mod motion;
-pub mod register;
 mod setup;
 
 use embedded_hal::i2c::I2c;
@@ -28,6 +27,7 @@ pub use motion::{
 pub use setup::{AccelRange, GyroRange, ImuConfig, InterruptPin, InterruptSource, LowPass};
 
 use crate::error::{Chip, Error, expect_identity, expect_register};
+pub use crate::registers::mpu6050 as register;
 use register::{ACCEL_CONFIG, INT_STATUS, MOT_DETECT_STATUS, MOT_THR, WHO_AM_I};
 
 /// Address on the bus with the pin AD0 low.

@@ -28,13 +28,15 @@
 mod aim;
 mod climb;
 mod hold;
+mod lean;
 mod level;
 mod rate;
 
 pub use aim::{Aim, aimed};
 pub use climb::{Climb, climbing};
 pub use hold::{Hold, Sight, held};
-pub use level::{Lean, level};
+pub use lean::Lean;
+pub use level::level;
 pub use rate::{RateIntegrals, Stretch, demand, integrated};
 
 /// `x` brought nearer to zero by `width`, and zero within it.

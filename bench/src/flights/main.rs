@@ -24,6 +24,7 @@ mod program {
     use reflex::graph;
     use reflex_bench::BLOCK_STEPS;
     use reflex_bench::digest::CommandDigest;
+    use reflex_bench::marks::done;
     use reflex_bench::step::{STEP_WORDS, Step};
     use reflex_bench::ways::{self, Way};
     use stm32f4xx_hal as _;
@@ -101,11 +102,5 @@ mod program {
     #[inline(never)]
     fn refill() {
         black_box(());
-    }
-
-    /// There are no more steps.
-    #[inline(never)]
-    fn done() {
-        black_box(true);
     }
 }

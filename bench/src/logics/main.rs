@@ -22,6 +22,7 @@ mod program {
     use reflex::airframe::MotorShares;
     use reflex::graph;
     use reflex_bench::STEPS;
+    use reflex_bench::marks::{done, measured};
     use reflex_bench::step::{STEP_WORDS, Step};
     use reflex_bench::ways::{self, Way};
     use stm32f4xx_hal as _;
@@ -92,25 +93,5 @@ mod program {
     #[inline(never)]
     fn run<W: Way>(way: &mut W, step: &Step) -> MotorShares {
         measured(|| black_box(way).take(black_box(step)))
-    }
-
-    #[inline(always)]
-    fn measured<T>(call: impl FnOnce() -> T) -> T {
-        mark();
-        let result = black_box(call());
-        mark();
-        result
-    }
-
-    /// The instant that is watched.
-    #[inline(never)]
-    fn mark() {
-        black_box(());
-    }
-
-    /// Nothing is measured any more.
-    #[inline(never)]
-    fn done() {
-        black_box(true);
     }
 }

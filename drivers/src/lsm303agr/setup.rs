@@ -1,13 +1,13 @@
 //! Plain configuration of both halves and its register values.
 
 use super::{
-    AccelThreshold, MagThreshold, ThresholdDuration,
+    AccelFullScale, AccelThreshold, MagThreshold, ThresholdDuration,
     register::{
         CTRL_REG1_A, CTRL_REG2_A, CTRL_REG3_A, CTRL_REG4_A, CTRL_REG5_A, INT1_CFG_A,
         INT1_DURATION_A, INT1_THS_A,
     },
 };
-use crate::quantity::{Hertz, MetersPerSecondSquared, STANDARD_GRAVITY};
+use crate::quantity::Hertz;
 
 /// Axes that a comparator watches; any one of them interrupts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,56 +31,6 @@ impl Axes {
 
     const fn bits(self, x: u8, y: u8, z: u8) -> u8 {
         (if self.x { x } else { 0 }) | (if self.y { y } else { 0 }) | (if self.z { z } else { 0 })
-    }
-}
-
-/// Full scale of the accelerometer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
-pub enum AccelFullScale {
-    /// +-2 g.
-    G2,
-    /// +-4 g.
-    G4,
-    /// +-8 g.
-    G8,
-    /// +-16 g.
-    G16,
-}
-
-impl AccelFullScale {
-    /// One step of the threshold register.
-    #[must_use]
-    pub const fn threshold_step(self) -> MetersPerSecondSquared {
-        let milli_g = match self {
-            Self::G2 => 16.0,
-            Self::G4 => 32.0,
-            Self::G8 => 62.0,
-            Self::G16 => 186.0,
-        };
-        MetersPerSecondSquared(milli_g * 1.0e-3 * STANDARD_GRAVITY)
-    }
-
-    /// One count of the left-justified output in high resolution.
-    #[must_use]
-    pub const fn count_step(self) -> MetersPerSecondSquared {
-        // Sensitivity in mg per 12-bit digit, of which one is 16 counts.
-        let milli_g_per_digit = match self {
-            Self::G2 => 0.98,
-            Self::G4 => 1.95,
-            Self::G8 => 3.9,
-            Self::G16 => 11.72,
-        };
-        MetersPerSecondSquared(milli_g_per_digit / 16.0 * 1.0e-3 * STANDARD_GRAVITY)
-    }
-
-    const fn code(self) -> u8 {
-        match self {
-            Self::G2 => 0,
-            Self::G4 => 1,
-            Self::G8 => 2,
-            Self::G16 => 3,
-        }
     }
 }
 

@@ -1,17 +1,4 @@
-//! Register addresses of both halves, with the names of ST's driver.
-
-macro_rules! registers {
-    ($function:ident: $($(#[$doc:meta])* $name:ident = $address:literal,)*) => {
-        $($(#[$doc])* pub const $name: u8 = $address;)*
-
-        pub(crate) const fn $function(address: u8) -> &'static str {
-            match address {
-                $($address => stringify!($name),)*
-                _ => "?",
-            }
-        }
-    };
-}
+//! Register addresses of the LSM303AGR, with the names of ST's driver.
 
 registers! { accelerometer_name:
     /// Identity of the accelerometer.

@@ -1,19 +1,6 @@
-//! Register addresses, with the names of RM-MPU-6000A.
+//! Register addresses of the MPU6050, with the names of RM-MPU-6000A.
 
-macro_rules! registers {
-    ($($(#[$doc:meta])* $name:ident = $address:literal,)*) => {
-        $($(#[$doc])* pub const $name: u8 = $address;)*
-
-        pub(crate) const fn name(address: u8) -> &'static str {
-            match address {
-                $($address => stringify!($name),)*
-                _ => "?",
-            }
-        }
-    };
-}
-
-registers! {
+registers! { name:
     /// Divider of the sample rate, less one.
     SMPLRT_DIV = 0x19,
     /// Low-pass filter.

@@ -43,8 +43,8 @@ impl Program {
     pub(super) fn new(elf: &Arc<Elf>) -> Result<Self> {
         let options = Options {
             watches: vec![
-                Watched::Address(elf.function(&["program", "mark"])?),
-                Watched::Address(elf.function(&["program", "done"])?),
+                Watched::Address(elf.function(&["marks", "mark"])?),
+                Watched::Address(elf.function(&["marks", "done"])?),
             ],
             flies: false,
             ..Options::default()

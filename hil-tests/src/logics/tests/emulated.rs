@@ -56,7 +56,7 @@ impl Core {
         let function = |path| Watched::Address(elf.function(path).expect("linked"));
         Self {
             asks: function(&refill),
-            done: function(&["program", "done"]),
+            done: function(&["marks", "done"]),
             address: elf.variable(&given).expect("linked"),
             elf: Arc::new(elf),
         }
