@@ -66,12 +66,13 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// With a control logic of one's own; otherwise as [`Self::new`].
     #[must_use]
     pub fn with_logic(settings: Settings, recorder: R, graph: L) -> Self {
+        let motors = graph.mixed().shares.len();
         Self {
             sensing: Sensing::new(&settings),
             demand: Demand::default(),
             reactive: Reactive::new(&settings),
             graph,
-            safety: Safety::default(),
+            safety: Safety::new(motors),
             chips: Chips::default(),
             record: Record::new(recorder),
         }

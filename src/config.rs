@@ -8,6 +8,7 @@ use crate::settings::{
     Feedback, Limits, MotorProtocol, Pairs, Policy, Reference, Settings, WarmUp,
 };
 use crate::time::{Duration, micros};
+use reflex_settings::{Airframe, Motor};
 
 /// What one sensor may ask for, from `config/reactive.toml`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -16,7 +16,7 @@ use crate::math::Vec3;
 const LEAST_UPRIGHT: f32 = 0.5;
 
 /// The arming state, and the gate that follows it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Safety {
     arming: Arming,
     gate: MotorGate,
@@ -34,6 +34,15 @@ pub struct Passed {
 }
 
 impl Safety {
+    /// Not calibrated, with so many motors that stand.
+    #[must_use]
+    pub fn new(motors: usize) -> Self {
+        Self {
+            arming: Arming::default(),
+            gate: MotorGate::new(motors),
+        }
+    }
+
     /// The arming state.
     #[must_use]
     pub fn arming(&self) -> Arming {

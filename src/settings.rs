@@ -6,6 +6,6 @@
 
 pub use reflex_settings::gains;
 pub use reflex_settings::{
-    BLOCK_LENGTH, BlockError, Declared, Feedback, Limits, MotorProtocol, OutOfRange, Pairs, Policy,
-    Reference, Settings, WarmUp,
+    Airframe, AirframeError, BLOCK_LENGTH, BlockError, Declared, FEWEST_MOTORS, Feedback, Limits,
+    MOST_MOTORS, Motor, MotorProtocol, OutOfRange, Pairs, Policy, Reference, Settings, WarmUp,
 };

@@ -18,7 +18,7 @@ impl CommandDigest {
 
     /// Takes the next command in, first motor first.
     pub fn add(&mut self, command: MotorShares) {
-        for share in command {
+        for share in command.iter() {
             let word = u64::from(share.to_bits());
             self.0 = (self.0 ^ word).wrapping_mul(0x0000_0100_0000_01B3);
         }
@@ -51,15 +51,15 @@ mod tests {
 
     #[test]
     fn one_bit_and_one_swap_make_another_digest() {
-        let mut other = [0.5; reflex::config::MOTORS];
+        let mut other = MotorShares::all(0.5, 4);
         other[0] = 0.5_f32.next_up();
-        let command = [0.5; reflex::config::MOTORS];
+        let command = MotorShares::all(0.5, 4);
         assert_ne!(digest(&[command]), digest(&[other]));
         assert_ne!(digest(&[command, other]), digest(&[other, command]));
         assert_ne!(digest(&[command]), digest(&[command, command]));
         assert_ne!(
-            digest(&[[0.0; reflex::config::MOTORS]]),
-            digest(&[[-0.0; reflex::config::MOTORS]])
+            digest(&[MotorShares::all(0.0, 4)]),
+            digest(&[MotorShares::all(-0.0, 4)])
         );
     }
 }

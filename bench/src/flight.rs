@@ -3,6 +3,7 @@
 use core::hint::black_box;
 
 use oorandom::Rand32;
+use reflex::airframe::MotorShares;
 use reflex::config::{MOTORS, of_input};
 use reflex::control::Setpoint;
 use reflex::estimate::Arrival;
@@ -109,7 +110,7 @@ fn holds() {
         let rates = samples.axes(2.0);
         let newest = Held {
             sample: rates,
-            command: core::array::from_fn::<_, MOTORS, _>(|_| samples.around(0.5, 0.01)),
+            command: MotorShares::all(0.0, GEOMETRY.count()).map(|_| samples.around(0.5, 0.01)),
             rates,
         };
         let now = at_micros(1000 * round as u64);

@@ -3,7 +3,7 @@
 use core::hint::black_box;
 
 use reflex::airframe::MotorShares;
-use reflex::config::MOTORS;
+use reflex::config::GEOMETRY;
 use reflex::math::Vec3;
 use reflex::reactive::{Decision, Fit, Logistic, Sample, Watch};
 use reflex::settings::Reference;
@@ -29,10 +29,10 @@ fn axes(round: usize, size: f32) -> [Vec3; 2] {
 }
 
 fn command(round: usize, size: f32) -> [MotorShares; 2] {
-    let before = [0.4; MOTORS];
+    let before = MotorShares::all(0.4, GEOMETRY.count());
     let mut after = before;
     for (motor, after) in after.iter_mut().enumerate() {
-        *after += size * share(round, motor, MOTORS);
+        *after += size * share(round, motor, GEOMETRY.count());
     }
     [before, after]
 }

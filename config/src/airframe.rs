@@ -1,8 +1,8 @@
 //! `airframes/*.toml`: where the motors are and how they turn.
 
+use reflex_settings::{Airframe as Geometry, AirframeError, MOST_MOTORS};
 use serde::Deserialize;
 
-use crate::allocation::{self, Allocation};
 use crate::document::Document;
 use crate::{ConfigError, range};
 
@@ -41,26 +41,27 @@ pub enum Spin {
 impl Airframe {
     /// What only several values together can show.
     pub(crate) fn check(&self, document: &Document) -> Result<(), ConfigError> {
-        let count = self.motors.len();
-        if !(4..=8).contains(&count) {
-            let message = format!("{count} motors are out of range, must be 4 to 8");
-            return Err(document.error_at("motors", message));
+        if self.motors.len() > MOST_MOTORS {
+            let count = AirframeError::Count(self.motors.len());
+            return Err(document.error_at("motors", count.to_string()));
         }
-        let clockwise = self
-            .motors
-            .iter()
-            .filter(|motor| motor.spin == Spin::Cw)
-            .count();
-        if clockwise * 2 != count {
-            let message = format!("{clockwise} of {count} spin cw, must be half of them");
-            return Err(document.error_at("motors", message));
-        }
-        allocation::check(&self.motors).map_err(|message| document.error_at("motors", message))
+        let checked = self.geometry().check();
+        checked.map_err(|refused| document.error_at("motors", refused.to_string()))
     }
 
-    /// What each motor must do for a torque, of an airframe that was read from a file.
+    /// What the firmware takes, of an airframe that was read from a file.
     #[must_use]
-    pub fn allocation(&self) -> Allocation {
-        Allocation::of(&self.motors)
+    pub fn geometry(&self) -> Geometry {
+        let motors: Vec<_> = self.motors.iter().map(Motor::placed).collect();
+        Geometry::new(self.armed_minimum as f32, &motors)
+    }
+}
+
+impl Motor {
+    fn placed(&self) -> reflex_settings::Motor {
+        reflex_settings::Motor {
+            angle_deg: self.angle_deg as f32,
+            clockwise: self.spin == Spin::Cw,
+        }
     }
 }

@@ -6,7 +6,6 @@
 //! unknown key, a wrong type or a value out of its range is one line with file, line and key.
 
 mod airframe;
-mod allocation;
 mod board;
 mod document;
 mod environment;
@@ -24,7 +23,6 @@ use reflex_settings::{Range, Settings, within};
 use serde::Deserialize;
 
 pub use airframe::{Airframe, Motor, Spin};
-pub use allocation::Allocation;
 pub use error::ConfigError;
 pub use logic::Logic;
 pub use values::Values;

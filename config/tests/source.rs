@@ -23,7 +23,7 @@ fn values_arrive_as_rust_literals() {
     let source = source();
     for expected in [
         "pub const HYPERPERIOD: Duration = micros(1000);",
-        "pub const MOTORS: usize = 4;",
+        "pub const GEOMETRY: Airframe = Airframe::new(0.05, &[Motor { angle_deg: 45.0, clockwise: false }, ",
         "pub const LONGEST_WARM_UP: Duration = micros(30000000);",
         "[\"cascade.rate.p\", \"[0.06, 0.06, 0.1]\", ",
         "quantum: 1.0 / 255.0",

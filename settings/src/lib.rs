@@ -7,6 +7,7 @@
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
+mod airframe;
 mod block;
 mod board;
 pub mod bytes;
@@ -22,6 +23,7 @@ mod settings;
 mod text;
 mod time;
 
+pub use airframe::{Airframe, AirframeError, Allocation, FEWEST_MOTORS, MOST_MOTORS, Motor};
 pub use block::{BLOCK_LENGTH, BlockError};
 pub use board::BOARD;
 pub use choices::{Choice, Choices, Feedback, MotorProtocol, Pairs, Policy, Reference};

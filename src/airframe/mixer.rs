@@ -1,80 +1,96 @@
 //! The mixer: torque demands and collective thrust to one command per motor.
 //!
-//! The allocation comes from the geometry in `config/airframes/`, not from a typed table: the
-//! build works it out, and the target adds up. Where the motors cannot give everything, roll and
+//! The allocation comes from the geometry of the airframe, not from a typed table: it is worked out
+//! once, at the start. Where the motors cannot give everything, roll and
 //! pitch are kept before thrust, and thrust before yaw: a drone that is level can be saved, one
 //! that keeps its heading cannot.
 
 mod even;
 
-use crate::config::{ARMED_MINIMUM, MOTOR_PITCH, MOTOR_ROLL, MOTOR_YAW, MOTORS};
+use super::MotorShares;
+use crate::config::GEOMETRY;
+use crate::settings::Airframe;
 use crate::units::{Thrust, TorqueDemand};
-
-/// The mixer of the airframe that is built, in flash.
-pub const MIXER: Mixer = Mixer::new(MOTOR_ROLL, MOTOR_PITCH, MOTOR_YAW);
 
 /// Share of full scale that each axis moves each motor by, per unit of demand.
 ///
 /// A unit of roll or pitch is the torque of all motors at full scale on 1/sqrt(2) of an arm, the
 /// lever of an X quadrotor's motors; of yaw, the reaction of all propellers at full scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mixer<const N: usize = MOTORS> {
-    roll: [f32; N],
-    pitch: [f32; N],
-    yaw: [f32; N],
+pub struct Mixer {
+    roll: MotorShares,
+    pitch: MotorShares,
+    yaw: MotorShares,
+    /// Least command of an armed motor.
+    least: f32,
 }
 
 /// A motor vector and whether a demand had to be cut to reach it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mixed<const N: usize = MOTORS> {
+pub struct Mixed {
     /// One command per motor, from the smallest an armed motor may have to 1.
-    pub shares: [f32; N],
+    pub shares: MotorShares,
     /// Some demand was cut: the integrators must not grow.
     pub saturated: bool,
 }
 
+/// The mixer of the airframe that was built in.
 impl Default for Mixer {
     fn default() -> Self {
-        MIXER
+        Self::new(&GEOMETRY)
     }
 }
 
-impl<const N: usize> Mixer<N> {
-    /// The mixer of an allocation: motor steps that act on one axis each, and not on the thrust.
+impl Mixer {
+    /// The mixer of an airframe that was checked.
     #[must_use]
-    pub const fn new(roll: [f32; N], pitch: [f32; N], yaw: [f32; N]) -> Self {
-        Self { roll, pitch, yaw }
+    pub fn new(airframe: &Airframe) -> Self {
+        let (steps, count) = (airframe.allocation(), airframe.count());
+        Self {
+            roll: MotorShares::first(steps.roll, count),
+            pitch: MotorShares::first(steps.pitch, count),
+            yaw: MotorShares::first(steps.yaw, count),
+            least: airframe.armed_minimum(),
+        }
     }
 
     /// The shares themselves: of roll, of pitch, of yaw.
     #[must_use]
-    pub const fn axes(&self) -> [&[f32; N]; 3] {
+    pub const fn axes(&self) -> [&MotorShares; 3] {
         [&self.roll, &self.pitch, &self.yaw]
+    }
+
+    /// The least command of an armed motor, as a share of full scale.
+    #[must_use]
+    pub const fn least(&self) -> f32 {
+        self.least
+    }
+
+    /// The range of an armed motor's command, as a share of full scale.
+    #[must_use]
+    pub const fn span(&self) -> f32 {
+        1.0 - self.least
     }
 
     /// Allocates a demand.
     #[must_use]
-    pub fn mix(&self, torque: TorqueDemand, thrust: Thrust) -> Mixed<N> {
-        const SPAN: f32 = 1.0 - ARMED_MINIMUM;
-        let mut tilt = [0.0; N];
-        for ((out, roll), pitch) in tilt.iter_mut().zip(self.roll).zip(self.pitch) {
-            *out = roll * torque.0.x + pitch * torque.0.y;
-        }
-        let (lowest, highest) = range(&tilt);
-        let fit = if highest - lowest > SPAN {
-            SPAN / (highest - lowest)
+    pub fn mix(&self, torque: TorqueDemand, thrust: Thrust) -> Mixed {
+        let (least, span) = (self.least, self.span());
+        let mut mixed = self.tilt(torque);
+        let (lowest, highest) = range(&mixed);
+        let fit = if highest - lowest > span {
+            span / (highest - lowest)
         } else {
             1.0
         };
-        let wanted = ARMED_MINIMUM + thrust.share() * SPAN;
-        let base = wanted
-            .max(ARMED_MINIMUM - lowest * fit)
-            .min(1.0 - highest * fit);
-        let shares = tilt.map(|tilt| base + tilt * fit);
-        let yaw_fit = self.yaw_headroom(&shares, torque.0.z);
-        let mut mixed = shares;
-        for (share, yaw) in mixed.iter_mut().zip(self.yaw) {
-            *share = (*share + yaw * torque.0.z * yaw_fit).clamp(ARMED_MINIMUM, 1.0);
+        let wanted = least + thrust.share() * span;
+        let base = wanted.max(least - lowest * fit).min(1.0 - highest * fit);
+        for share in mixed.iter_mut() {
+            *share = base + *share * fit;
+        }
+        let yaw_fit = self.yaw_headroom(&mixed, torque.0.z);
+        for (share, yaw) in mixed.iter_mut().zip(self.yaw.iter()) {
+            *share = armed(*share + yaw * torque.0.z * yaw_fit, least);
         }
         Mixed {
             shares: mixed,
@@ -82,21 +98,42 @@ impl<const N: usize> Mixer<N> {
         }
     }
 
+    /// What roll and pitch move each motor by.
+    #[must_use]
+    pub fn tilt(&self, torque: TorqueDemand) -> MotorShares {
+        let mut tilt = self.roll;
+        for (tilt, pitch) in tilt.iter_mut().zip(self.pitch.iter()) {
+            *tilt = *tilt * torque.0.x + pitch * torque.0.y;
+        }
+        tilt
+    }
+
     /// The share of the yaw demand that no motor is driven past its range by.
-    fn yaw_headroom(&self, shares: &[f32; N], demand: f32) -> f32 {
+    fn yaw_headroom(&self, shares: &MotorShares, demand: f32) -> f32 {
         let mut fit = 1.0f32;
-        for (share, yaw) in shares.iter().zip(self.yaw) {
+        for (share, yaw) in shares.iter().zip(self.yaw.iter()) {
             let step = yaw * demand;
             let room = if step > 0.0 {
                 1.0 - share
             } else {
-                share - ARMED_MINIMUM
+                share - self.least
             };
             if step.abs() > room.max(0.0) {
                 fit = fit.min(room.max(0.0) / step.abs());
             }
         }
         fit
+    }
+}
+
+/// A share from the least of an armed motor to 1; what is no number stays so, for the gate to see.
+fn armed(share: f32, least: f32) -> f32 {
+    if share < least {
+        least
+    } else if share > 1.0 {
+        1.0
+    } else {
+        share
     }
 }
 

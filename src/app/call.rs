@@ -8,7 +8,7 @@
 //! A record is a kind, the stamp in microseconds (8 bytes) and the fields, little-endian.
 
 use super::{Autopilot, ChipOrder, ChipSetting, Fault, OrderError, Reason};
-use crate::config::MOTORS;
+use crate::airframe::MotorShares;
 use crate::graph::ControlLogic;
 use crate::link::Message;
 use crate::reactive::{Fit, Label, Refit};
@@ -60,7 +60,7 @@ pub struct Ran {
     /// The largest probability of a changed command by a model that asked; `None` without one.
     pub expected: Option<f32>,
     /// The motor command it applied, as shares of full scale.
-    pub shares: [f32; MOTORS],
+    pub shares: MotorShares,
 }
 
 /// A call with the instant it carried.
@@ -130,7 +130,7 @@ impl Stamped {
                 out.put([ran.reason as u8, ran.asked.bits()]);
                 // No probability is not a number.
                 out.float(ran.expected.unwrap_or(f32::NAN));
-                out.floats(ran.shares);
+                out.shares(&ran.shares);
             }
         }
         out.finish()
@@ -159,7 +159,7 @@ impl Stamped {
                 reason: from.choice(Reason::from_number)?,
                 asked: Inputs::from_bits(from.byte()?),
                 expected: Some(from.float()?).filter(|expected| !expected.is_nan()),
-                shares: from.floats()?,
+                shares: from.shares()?,
             }),
             other => return Err(DecodeError::Unknown(other)),
         };

@@ -26,7 +26,7 @@ pub use motors::Motors;
 
 use cortex_m::singleton;
 use embedded_hal_bus::util::AtomicCell;
-use reflex::config::MOTORS;
+use reflex::config::GEOMETRY;
 use reflex::settings::Settings;
 use reflex::tasks::link;
 use reflex_drivers::mpu6050::BURST_LENGTH;
@@ -82,7 +82,13 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
         (c.pc6, c.pc7, c.pc8, c.pc9),
         (d.pd12, d.pd13, d.pd14, d.pd15),
     );
-    let motors = Motors::start(device.TIM3, device.TIM4, settings.motors, rcc);
+    let motors = Motors::start(
+        device.TIM3,
+        device.TIM4,
+        settings.motors,
+        GEOMETRY.count(),
+        rcc,
+    );
 
     let mut lines = (device.SYSCFG.constrain(rcc), device.EXTI);
     interrupt_on_rise(c.pc0.into_pull_down_input(), &mut lines);
@@ -152,7 +158,7 @@ fn motor_pins(
     first.1.into_alternate::<2>();
     first.2.into_alternate::<2>();
     first.3.into_alternate::<2>();
-    if MOTORS > 4 {
+    if GEOMETRY.count() > 4 {
         second.0.into_alternate::<2>();
         second.1.into_alternate::<2>();
         second.2.into_alternate::<2>();

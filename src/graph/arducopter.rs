@@ -35,7 +35,7 @@
 //! - what other than saturation and hover's tilt guards learning: landing detection.
 
 use super::{ControlLogic, place_inputs, standard_inputs, tuned};
-use crate::airframe::{MIXER, Mixed};
+use crate::airframe::{Mixed, Mixer};
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::arducopter::{
     Asked, Climb, Course, Lift, RateLoop, RateMemory, angle_loop, boosted, climbing, lifted, moved,
@@ -55,6 +55,8 @@ graph! {
 
     /// Gains, as `config/logics/arducopter.toml` has them unless others are set.
     param gains: Gains;
+    /// What the motors do for a torque.
+    param mixer: Mixer;
     param rate_loop: RateLoop = RateLoop::new(&gains.rate);
 
     /// Sums of the arrival stage since the last run.
@@ -102,7 +104,7 @@ graph! {
     /// Thrust that hover needs.
     node hover: f32 = lift.hover();
     /// The motor vector.
-    output command: Mixed = shared(&MIXER, torque, thrust, hover, &gains.thrust);
+    output command: Mixed = shared(&mixer, torque, thrust, hover, &gains.thrust);
 }
 
 tuned!(ArduCopter, arducopter);

@@ -22,7 +22,7 @@
 //! place behind it on, until it goes; the sticks of the original are the setpoint.
 
 use super::{ControlLogic, place_inputs, standard_inputs, tuned};
-use crate::airframe::{MIXER, Mixed};
+use crate::airframe::{Mixed, Mixer};
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::cleanflight::{
     Aim, Climb, Hold, RateIntegrals, Sight, Stretch, aimed, climbing, demand, held, integrated,
@@ -41,6 +41,8 @@ graph! {
 
     /// Gains, as `config/logics/cleanflight.toml` has them unless others are set.
     param gains: Gains;
+    /// What the motors do for a torque.
+    param mixer: Mixer;
 
     /// Sums of the arrival stage since the last run.
     input motion: Increment, every GYRO.period, gates if GYRO.gates, triggers;
@@ -88,7 +90,7 @@ graph! {
     /// What the rate PID asks for.
     node torque: TorqueDemand = demand(&integrals, &wanted, &rotation, &aim, blind, &gains);
     /// The motor vector.
-    output command: Mixed = MIXER.mix_evenly(torque, aim.thrust);
+    output command: Mixed = mixer.mix_evenly(torque, aim.thrust);
 }
 
 tuned!(Cleanflight, cleanflight);

@@ -1,6 +1,6 @@
 //! What the autopilot asks of a control logic, whichever it is.
 
-use crate::airframe::Mixed;
+use crate::airframe::{Mixed, Mixer};
 use crate::control::{Goal, Setpoint};
 use crate::dataflow::{Description, Dirty};
 use crate::estimate::{Motion, Place};
@@ -74,13 +74,13 @@ pub trait ControlLogic {
     fn mixed(&self) -> &Mixed;
 }
 
-/// A control logic that is made of its gains, by default those that were built in.
+/// A control logic that is made of its gains and a mixer, by default those that were built in.
 pub trait Tuned: ControlLogic + Default {
     /// Its gains.
     type Gains: Copy + Default;
 
-    /// The logic with these gains, before it has flown.
-    fn with(gains: Self::Gains) -> Self;
+    /// The logic with these gains on an airframe's mixer, before it has flown.
+    fn with(gains: Self::Gains, mixer: Mixer) -> Self;
 }
 
 /// The part of [`ControlLogic`] that only hands on to inputs and values of the usual names.
@@ -168,14 +168,17 @@ macro_rules! tuned {
         impl $crate::graph::Tuned for $logic {
             type Gains = $crate::settings::gains::$module::Gains;
 
-            fn with(gains: Self::Gains) -> Self {
-                Self::new(gains)
+            fn with(gains: Self::Gains, mixer: $crate::airframe::Mixer) -> Self {
+                Self::new(gains, mixer)
             }
         }
 
         impl Default for $logic {
             fn default() -> Self {
-                Self::new($crate::config::$module::GAINS)
+                Self::new(
+                    $crate::config::$module::GAINS,
+                    $crate::airframe::Mixer::default(),
+                )
             }
         }
     };

@@ -12,7 +12,7 @@
 //! what it cannot explain.
 
 use super::{ControlLogic, standard_inputs, tuned};
-use crate::airframe::{MIXER, Mixed};
+use crate::airframe::{Mixed, Mixer};
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::{
     AttitudeLaw, ObserverLaw, ObserverState, ObserverStretch, RateInput, Setpoint, Wanted,
@@ -29,6 +29,8 @@ graph! {
 
     /// Gains, as `config/logics/observer.toml` has them unless others are set.
     param gains: Gains;
+    /// What the motors do for a torque.
+    param mixer: Mixer;
     param corrections: Corrections = Corrections {
         gravity: gains.estimate.accel_correction,
         heading: gains.estimate.heading_correction,
@@ -69,7 +71,7 @@ graph! {
         observer_law.demand(&observed, &RateInput::of(wanted.rates, &rotation))
     };
     /// The motor vector.
-    output command: Mixed = MIXER.mix(torque, setpoint.thrust);
+    output command: Mixed = mixer.mix(torque, setpoint.thrust);
 }
 
 tuned!(Observer, observer);

@@ -20,7 +20,7 @@
 //! control, landing, and scaling of gains by thrust.
 
 use super::{ControlLogic, place_inputs, standard_inputs, tuned};
-use crate::airframe::{MIXER, Mixed};
+use crate::airframe::{Mixed, Mixer};
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::openpilot::{
     AttitudeError, ErrorStretch, Integrals, PathFollower, PathState, Stabilization,
@@ -39,6 +39,8 @@ graph! {
 
     /// Gains, as `config/logics/openpilot.toml` has them unless others are set.
     param gains: Gains;
+    /// What the motors do for a torque.
+    param mixer: Mixer;
     param path_follower: PathFollower = PathFollower::new(&gains);
     param stabilization: Stabilization = Stabilization::new(&gains);
 
@@ -87,7 +89,7 @@ graph! {
         })
     };
     /// The motor vector.
-    output command: Mixed = MIXER.mix(torque, target.thrust);
+    output command: Mixed = mixer.mix(torque, target.thrust);
 }
 
 /// A motion as the integrals see it, which was flown with the setpoint before.

@@ -14,18 +14,15 @@ pub trait Sample: Copy {
 impl Sample for Vec3 {
     fn change_since(&self, reference: &Self) -> f32 {
         let change = *self - *reference;
-        largest([change.x, change.y, change.z])
+        largest([change.x, change.y, change.z].into_iter())
     }
 }
 
 /// A motor vector changes as much as the motor that changes most.
 impl Sample for MotorShares {
     fn change_since(&self, reference: &Self) -> f32 {
-        let mut change = *self;
-        for (share, before) in change.iter_mut().zip(reference) {
-            *share -= before;
-        }
-        largest(change)
+        let pairs = self.iter().zip(reference.iter());
+        largest(pairs.map(|(share, before)| share - before))
     }
 }
 
@@ -33,7 +30,7 @@ impl Sample for MotorShares {
 ///
 /// Unlike `f32::max`, which is a call of 17 instructions on the target, one comparison each: this
 /// is done to every sample.
-fn largest<const N: usize>(changes: [f32; N]) -> f32 {
+fn largest(changes: impl Iterator<Item = f32>) -> f32 {
     let mut most = 0.0;
     for change in changes {
         let size = change.abs();

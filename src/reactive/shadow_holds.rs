@@ -11,7 +11,7 @@
 
 use super::{Label, Labels, Sample};
 use crate::airframe::MotorShares;
-use crate::config::{Changes, HYPERPERIOD, MOTORS};
+use crate::config::{Changes, HYPERPERIOD};
 use crate::math::Vec3;
 use crate::settings::{Pairs, Reference};
 use crate::time::{Duration, Instant, span};
@@ -182,10 +182,8 @@ impl Lead {
 /// True where some motor's command differs by a quantum or more: a dead-band, not a rounding.
 #[must_use]
 pub fn differs(a: &MotorShares, b: &MotorShares, quantum: f32) -> bool {
-    (0..MOTORS).any(|motor| match (a.get(motor), b.get(motor)) {
-        (Some(a), Some(b)) => (a - b).abs() >= quantum,
-        _ => false,
-    })
+    let mut pairs = a.iter().zip(b.iter());
+    pairs.any(|(a, b)| (a - b).abs() >= quantum)
 }
 
 #[cfg(test)]
@@ -212,7 +210,7 @@ mod tests {
             let rate = step as f32 * 1e-4;
             let newest = Held {
                 sample: Vec3::new(rate, 0.0, 0.0),
-                command: [0.5 + 0.06 * rate; MOTORS],
+                command: MotorShares::all(0.5 + 0.06 * rate, 4),
                 rates: Vec3::ZERO,
             };
             holds.take(
@@ -239,7 +237,8 @@ mod tests {
     #[test]
     fn a_difference_of_exactly_a_quantum_counts() {
         let quantum = 0.25;
-        assert!(differs(&[0.5; MOTORS], &[0.75; MOTORS], quantum));
-        assert!(!differs(&[0.5; MOTORS], &[0.7; MOTORS], quantum));
+        let level = |share| MotorShares::all(share, 4);
+        assert!(differs(&level(0.5), &level(0.75), quantum));
+        assert!(!differs(&level(0.5), &level(0.7), quantum));
     }
 }

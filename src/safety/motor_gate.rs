@@ -2,7 +2,6 @@
 
 use super::Arming;
 use crate::airframe::MotorShares;
-use crate::config::MOTORS;
 
 /// A whole motor vector that passed the gate. Nothing else can be written to the motors.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,20 +18,29 @@ impl MotorOutput {
 }
 
 /// Lets commands pass while armed, and remembers the one that is applied.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorGate {
     applied: MotorShares,
     refused: u32,
 }
 
 impl MotorGate {
+    /// The gate to so many motors, which stand.
+    #[must_use]
+    pub const fn new(motors: usize) -> Self {
+        Self {
+            applied: MotorShares::all(0.0, motors),
+            refused: 0,
+        }
+    }
+
     /// The output for a command: the command while armed, stopped motors otherwise.
     ///
     /// A command with a value that is not finite is refused as a whole and counted; the applied
     /// one stays. Critical for safety: the only constructor of [`MotorOutput`].
     pub fn pass(&mut self, arming: Arming, command: &MotorShares) -> MotorOutput {
         if arming != Arming::Armed {
-            self.applied = [0.0; MOTORS];
+            self.applied = MotorShares::all(0.0, command.len());
         } else if command.iter().all(|share| share.is_finite()) {
             self.applied = command.map(|share| share.clamp(0.0, 1.0));
         } else {
@@ -62,27 +70,34 @@ mod tests {
 
     #[test]
     fn nothing_passes_unless_armed() {
-        let mut gate = MotorGate::default();
+        let mut gate = MotorGate::new(4);
         for arming in [Arming::Calibrating, Arming::Disarmed] {
-            assert_eq!(gate.pass(arming, &[0.7; MOTORS]).share(), [0.0; MOTORS]);
+            assert_eq!(
+                gate.pass(arming, &MotorShares::all(0.7, 4)).share(),
+                MotorShares::all(0.0, 4)
+            );
         }
         assert_eq!(
-            gate.pass(Arming::Armed, &[0.7; MOTORS]).share(),
-            [0.7; MOTORS]
+            gate.pass(Arming::Armed, &MotorShares::all(0.7, 4)).share(),
+            MotorShares::all(0.7, 4)
         );
         assert_eq!(
-            gate.pass(Arming::Disarmed, &[0.7; MOTORS]).share(),
-            [0.0; MOTORS]
+            gate.pass(Arming::Disarmed, &MotorShares::all(0.7, 4))
+                .share(),
+            MotorShares::all(0.0, 4)
         );
     }
 
     #[test]
     fn a_command_that_is_not_finite_leaves_the_applied_one() {
-        let mut gate = MotorGate::default();
-        gate.pass(Arming::Armed, &[0.3; MOTORS]);
-        let mut broken = [0.3; MOTORS];
+        let mut gate = MotorGate::new(4);
+        gate.pass(Arming::Armed, &MotorShares::all(0.3, 4));
+        let mut broken = MotorShares::all(0.3, 4);
         broken[1] = f32::NAN;
-        assert_eq!(gate.pass(Arming::Armed, &broken).share(), [0.3; MOTORS]);
+        assert_eq!(
+            gate.pass(Arming::Armed, &broken).share(),
+            MotorShares::all(0.3, 4)
+        );
         assert_eq!(gate.refused(), 1);
     }
 }

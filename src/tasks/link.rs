@@ -2,7 +2,7 @@
 
 use super::{Board, Lock, follow};
 use crate::app::{Autopilot, Fault, Recorder};
-use crate::config::MOTORS;
+use crate::config::GEOMETRY;
 use crate::graph::ControlLogic;
 use crate::link::{ARM_DISARM, Answer, Incoming, LinkCounters, Message, Parser, Sender, Status};
 use crate::safety::Arming;
@@ -49,7 +49,7 @@ impl<P: Port> Link<P> {
         Self {
             port,
             parser: Parser::new(),
-            sender: Sender::new(MOTORS),
+            sender: Sender::new(GEOMETRY.count()),
             logged: LinkCounters::default(),
         }
     }

@@ -95,7 +95,7 @@ impl Page {
         quote! {
             impl crate::ways::Way for #of_type {
                 fn configured() -> Self {
-                    Self::new(reflex::config::#page::GAINS)
+                    Self::new(reflex::config::#page::GAINS, reflex::airframe::Mixer::default())
                 }
 
                 fn take(&mut self, step: &crate::step::Step) -> reflex::airframe::MotorShares {

@@ -86,7 +86,11 @@ mod program {
 
     /// Bit by bit.
     fn same(one: MotorShares, other: MotorShares) -> bool {
-        one.map(f32::to_bits) == other.map(f32::to_bits)
+        one.len() == other.len()
+            && one
+                .iter()
+                .zip(other.iter())
+                .all(|(one, other)| one.to_bits() == other.to_bits())
     }
 
     /// One step of one way, a call of its own: nothing is computed ahead, or together.

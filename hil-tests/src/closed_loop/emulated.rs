@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use reflex::app::Call;
-use reflex::config::MOTORS;
+use reflex::config::GEOMETRY;
 use reflex::reactive::Phase;
 use reflex::settings::{MotorProtocol, Settings};
 
@@ -104,7 +104,7 @@ impl Tier for EmulatedTier {
             };
             applied.push(Applied {
                 at_ns: write.applied_ns,
-                throttles: (0..MOTORS).map(motor).collect(),
+                throttles: (0..GEOMETRY.count()).map(motor).collect(),
             });
         }
         self.written = self.observation.motors.len();

@@ -75,7 +75,7 @@ impl Measures {
         if scored {
             *self.by_reason.get_mut(ran.reason) += 1;
             let differs = |before: Vec<f32>| {
-                let mut pairs = before.iter().zip(&ran.shares);
+                let mut pairs = before.iter().zip(ran.shares.iter());
                 pairs.any(|(before, after)| (before - after).abs() >= quantum)
             };
             self.changed += u64::from(before.is_none_or(differs));
@@ -98,7 +98,7 @@ mod tests {
             reason,
             asked: Inputs::NONE,
             expected: None,
-            shares: [share; reflex::config::MOTORS],
+            shares: reflex::airframe::MotorShares::all(share, 4),
         }
     }
 

@@ -63,7 +63,11 @@ impl Tier for NativeTier {
                 continue;
             };
             let written_ns = nanos(stamped.at) + RUN_NS;
-            let pulses = ran.shares.map(|share| pulse_ns(self.protocol, share));
+            let pulses = ran
+                .shares
+                .iter()
+                .map(|share| pulse_ns(self.protocol, *share));
+            let pulses: Vec<u32> = pulses.collect();
             self.digest.write(written_ns, &pulses);
             let throttles = pulses.iter().map(|pulse| throttle(self.protocol, *pulse));
             applied.push(Applied {

@@ -33,8 +33,8 @@ fn ways(name: LogicName) -> Ways {
     reflex_settings::control_logics!(ways_of)
 }
 
-fn bits(command: MotorShares) -> [u32; reflex::config::MOTORS] {
-    command.map(f32::to_bits)
+fn bits(command: MotorShares) -> Vec<u32> {
+    command.iter().map(|share| share.to_bits()).collect()
 }
 
 /// Runs of every logic on every recorded flight, in reactive control.

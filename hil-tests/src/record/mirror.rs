@@ -2,7 +2,6 @@
 
 use anyhow::{Result, bail};
 use reflex::app::{Autopilot, Call, Ran, Reason, Recorder, Stamped};
-use reflex::config::MOTORS;
 use reflex::sensors::Inputs;
 use reflex::settings::Settings;
 use reflex::time::Instant;
@@ -63,13 +62,13 @@ impl NewestRun {
 }
 
 /// A run to the letter: unlike `==`, zeros of different signs differ, and NaN is itself.
-fn bits(ran: &Ran) -> (Reason, Inputs, Option<u32>, [u32; MOTORS]) {
+fn bits(ran: &Ran) -> (Reason, Inputs, Option<u32>, Vec<u32>) {
     let expected = ran.expected.map(f32::to_bits);
     (
         ran.reason,
         ran.asked,
         expected,
-        ran.shares.map(f32::to_bits),
+        ran.shares.iter().map(|share| share.to_bits()).collect(),
     )
 }
 

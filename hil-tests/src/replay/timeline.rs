@@ -7,7 +7,7 @@
 
 use anyhow::Result;
 use reflex::app::{Autopilot, Call, Next, Reason, Stamped};
-use reflex::config::{ARMED_MINIMUM, HYPERPERIOD, MOTORS};
+use reflex::config::{GEOMETRY, HYPERPERIOD};
 use reflex::reactive::{FallbackReason, Phase};
 use reflex::settings::{Policy, Settings};
 use reflex::time::Instant;
@@ -48,7 +48,7 @@ fn held_at(calls: &[Stamped], at_us: u64) -> Command {
         Call::Ran(ran) => Some(ran.shares),
         _ => None,
     });
-    runs.next().unwrap_or([0.0; MOTORS])
+    runs.next().unwrap_or(Command::all(0.0, GEOMETRY.count()))
 }
 
 /// The hyperperiod that a gating sample has ended and the next one will close.
@@ -157,7 +157,7 @@ impl<'c> Timeline<'c> {
         open: &mut Option<Open>,
         reference: &Command,
     ) {
-        if run.reason != Reason::Ground && run.command != [0.0; MOTORS] {
+        if run.reason != Reason::Ground && run.command.iter().any(|share| *share != 0.0) {
             self.runs_in_the_air += 1;
         }
         match open {
@@ -191,7 +191,7 @@ impl<'c> Timeline<'c> {
         Rules {
             quantum: self.settings.quantum,
             failsafe_us: self.settings.failsafe.ticks(),
-            limits: ARMED_MINIMUM..=1.0,
+            limits: GEOMETRY.armed_minimum()..=1.0,
             periodic_hz: 1.0..=1e6 / HYPERPERIOD.ticks() as f64,
         }
     }
@@ -252,7 +252,7 @@ impl Native {
         };
         Self {
             autopilot: Autopilot::with_logic(settings, (), logic.logic()),
-            command: [0.0; MOTORS],
+            command: Command::all(0.0, GEOMETRY.count()),
         }
     }
 

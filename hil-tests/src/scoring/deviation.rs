@@ -1,7 +1,6 @@
 //! How far a held command strays from the reference: one measure for all.
 
 use super::flight::Command;
-use reflex::config::MOTORS;
 
 /// Whether some motor's two commands differ by at least a quantum.
 ///
@@ -10,14 +9,14 @@ use reflex::config::MOTORS;
 #[must_use]
 pub fn differs(one: &Command, other: &Command, quantum: f32) -> bool {
     one.iter()
-        .zip(other)
+        .zip(other.iter())
         .any(|(one, other)| (one - other).abs() >= quantum || one.is_nan() || other.is_nan())
 }
 
 /// Sum over the motors of the squared difference, in full scale squared.
 pub(super) fn square(one: &Command, other: &Command) -> f64 {
     one.iter()
-        .zip(other)
+        .zip(other.iter())
         .map(|(one, other)| (f64::from(*one) - f64::from(*other)).powi(2))
         .sum()
 }
@@ -26,6 +25,7 @@ pub(super) fn square(one: &Command, other: &Command) -> f64 {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Deviation {
     hyperperiods: u64,
+    motors: usize,
     stale: u64,
     squares: f64,
 }
@@ -33,11 +33,13 @@ pub(super) struct Deviation {
 impl Deviation {
     /// Adds one hyperperiod: what is held at its end against the reference.
     pub fn add(&mut self, held: &Command, reference: &Command, quantum: f32) {
-        self.add_judged(differs(held, reference, quantum), square(held, reference));
+        let stale = differs(held, reference, quantum);
+        self.add_judged(stale, square(held, reference), reference.len());
     }
 
-    /// Adds one hyperperiod of which staleness and squared deviation are known.
-    pub fn add_judged(&mut self, stale: bool, square: f64) {
+    /// Adds one hyperperiod of so many motors, of which staleness and squared deviation are known.
+    pub fn add_judged(&mut self, stale: bool, square: f64, motors: usize) {
+        self.motors = motors;
         self.hyperperiods += 1;
         self.stale += u64::from(stale);
         self.squares += square;
@@ -45,7 +47,7 @@ impl Deviation {
 
     /// RMS over hyperperiods and motors, in quanta; `None` without a hyperperiod.
     pub fn rms_quanta(&self, quantum: f32) -> Option<f64> {
-        let mean = self.squares / (self.hyperperiods as f64 * MOTORS as f64);
+        let mean = self.squares / (self.hyperperiods as f64 * self.motors as f64);
         finite(mean.sqrt() / f64::from(quantum))
     }
 

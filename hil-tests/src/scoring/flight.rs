@@ -4,11 +4,11 @@
 //! reads them. What a motor held is derived here, once, from the runs, so that a step can
 //! never claim a command that no run wrote.
 
+use reflex::airframe::MotorShares;
 use reflex::app::Reason;
-use reflex::config::MOTORS;
 
 /// One command per motor, as shares of full scale within 0..=1.
-pub type Command = [f32; MOTORS];
+pub type Command = MotorShares;
 
 /// One execution of the control logic and the command that it applied.
 #[derive(Clone, Copy, Debug, PartialEq)]

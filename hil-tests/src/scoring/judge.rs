@@ -46,6 +46,8 @@ pub(super) struct Judged {
     pub stale_from_trigger: bool,
     pub square: f64,
     pub square_from_trigger: f64,
+    /// Motors that the squares are sums over.
+    pub motors: usize,
     pub saturated: bool,
 }
 
@@ -100,6 +102,7 @@ impl Judge<'_> {
             stale_from_trigger: differs(&self.from_trigger, &step.reference, quantum),
             square: square(&step.applied, &step.reference),
             square_from_trigger: square(&self.from_trigger, &step.reference),
+            motors: step.reference.len(),
             saturated: self.rules.saturates(&step.reference),
         }
     }

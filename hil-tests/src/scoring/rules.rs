@@ -1,7 +1,7 @@
 //! What the scores depend on besides the flight itself.
 
 use super::flight::Command;
-use reflex::config::ARMED_MINIMUM;
+use reflex::config::GEOMETRY;
 use std::ops::RangeInclusive;
 
 /// A flight with more saturated hyperperiods than this share is not scored.
@@ -27,7 +27,7 @@ impl Default for Rules {
         Self {
             quantum: 1.0 / 255.0,
             failsafe_us: 100_000,
-            limits: ARMED_MINIMUM..=1.0,
+            limits: GEOMETRY.armed_minimum()..=1.0,
             periodic_hz: 1.0..=1000.0,
         }
     }

@@ -163,8 +163,8 @@ impl Actuators {
         let mut own = Deviation::default();
         let mut trigger = Deviation::default();
         for one in judged {
-            own.add_judged(one.stale, one.square);
-            trigger.add_judged(one.stale_from_trigger, one.square_from_trigger);
+            own.add_judged(one.stale, one.square, one.motors);
+            trigger.add_judged(one.stale_from_trigger, one.square_from_trigger, one.motors);
         }
         let share_of = |is: fn(&Judged) -> bool| {
             let count = judged.iter().filter(|one| is(one)).count();

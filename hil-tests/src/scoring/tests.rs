@@ -14,11 +14,11 @@ mod windows;
 
 use super::{Command, Flight, Held, Rules, Run, Score, score};
 use reflex::app::Reason;
-use reflex::config::MOTORS;
+use reflex::config::GEOMETRY;
 
 /// The same command on every motor.
 fn all(share: f32) -> Command {
-    [share; MOTORS]
+    Command::all(share, GEOMETRY.count())
 }
 
 /// A command with one motor apart from the others.

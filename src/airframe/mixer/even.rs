@@ -5,34 +5,32 @@
 //! nothing is clipped. The original takes each motor's share as symmetric about zero; here its
 //! true extremes are kept, which matters where yaw comes with roll.
 
-use super::{Mixed, Mixer, range};
-use crate::config::ARMED_MINIMUM;
+use super::{Mixed, Mixer, armed, range};
 use crate::units::{Thrust, TorqueDemand};
 
-impl<const N: usize> Mixer<N> {
+impl Mixer {
     /// Allocates a demand, cutting all three axes alike where it does not fit.
     ///
     /// Saturated where it was cut; a shift of thrust alone is not: all torques are given.
     #[must_use]
-    pub fn mix_evenly(&self, torque: TorqueDemand, thrust: Thrust) -> Mixed<N> {
-        const SPAN: f32 = 1.0 - ARMED_MINIMUM;
-        let mut turn = [0.0; N];
-        let axes = self.roll.iter().zip(&self.pitch).zip(&self.yaw);
-        for (out, ((roll, pitch), yaw)) in turn.iter_mut().zip(axes) {
-            *out = roll * torque.0.x + pitch * torque.0.y + yaw * torque.0.z;
+    pub fn mix_evenly(&self, torque: TorqueDemand, thrust: Thrust) -> Mixed {
+        let (least, span) = (self.least, self.span());
+        let mut turn = self.tilt(torque);
+        for (turn, yaw) in turn.iter_mut().zip(self.yaw.iter()) {
+            *turn += yaw * torque.0.z;
         }
         let (lowest, highest) = range(&turn);
-        let saturated = highest - lowest > SPAN;
+        let saturated = highest - lowest > span;
         let fit = if saturated {
-            SPAN / (highest - lowest)
+            span / (highest - lowest)
         } else {
             1.0
         };
-        let base = (ARMED_MINIMUM + thrust.share() * SPAN)
-            .max(ARMED_MINIMUM - lowest * fit)
+        let base = (least + thrust.share() * span)
+            .max(least - lowest * fit)
             .min(1.0 - highest * fit);
         Mixed {
-            shares: turn.map(|turn| (base + turn * fit).clamp(ARMED_MINIMUM, 1.0)),
+            shares: turn.map(|turn| armed(base + turn * fit, least)),
             saturated,
         }
     }
@@ -40,17 +38,23 @@ impl<const N: usize> Mixer<N> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::MIXER;
     use super::*;
-    use crate::config::MOTORS;
+    use crate::airframe::MotorShares;
+    use crate::config::GEOMETRY;
     use crate::math::Vec3;
     use proptest::prelude::*;
 
+    const LEAST: f32 = GEOMETRY.armed_minimum();
+
     /// The torque that motors give, as the mixer sees them.
-    fn given(shares: &[f32; MOTORS]) -> Vec3 {
-        let mixer = MIXER;
-        let along = |factors: [f32; MOTORS]| {
-            shares.iter().zip(factors).map(|(s, f)| s * f).sum::<f32>()
+    fn given(shares: &MotorShares) -> Vec3 {
+        let mixer = Mixer::default();
+        let along = |factors: MotorShares| {
+            shares
+                .iter()
+                .zip(factors.iter())
+                .map(|(s, f)| s * f)
+                .sum::<f32>()
                 / factors.iter().map(|f| f * f).sum::<f32>()
         };
         Vec3::new(along(mixer.roll), along(mixer.pitch), along(mixer.yaw))
@@ -62,9 +66,9 @@ mod tests {
             x in -32.0f32..32.0, y in -32.0f32..32.0, z in -32.0f32..32.0, t in 0.0f32..=1.0
         ) {
             let thrust = Thrust::new(t).expect("in range");
-            let mixed = MIXER.mix_evenly(TorqueDemand(Vec3::new(x, y, z)), thrust);
-            for share in mixed.shares {
-                prop_assert!((ARMED_MINIMUM..=1.0).contains(&share));
+            let mixed = Mixer::default().mix_evenly(TorqueDemand(Vec3::new(x, y, z)), thrust);
+            for &share in mixed.shares.iter() {
+                prop_assert!((LEAST..=1.0).contains(&share));
             }
         }
 
@@ -74,7 +78,7 @@ mod tests {
         ) {
             let asked = Vec3::new(x, y, z);
             let thrust = Thrust::new(t).expect("in range");
-            let mixed = MIXER.mix_evenly(TorqueDemand(asked), thrust);
+            let mixed = Mixer::default().mix_evenly(TorqueDemand(asked), thrust);
             let got = given(&mixed.shares);
             let scale = got.dot(asked) / asked.dot(asked).max(1e-9);
             prop_assert!((got - asked * scale).max_norm() < 1e-3);
@@ -87,9 +91,9 @@ mod tests {
             x in -0.1f32..0.1, y in -0.1f32..0.1, z in -0.1f32..0.1, t in 0.35f32..=0.65
         ) {
             let thrust = Thrust::new(t).expect("in range");
-            let mixed = MIXER.mix_evenly(TorqueDemand(Vec3::new(x, y, z)), thrust);
-            let mean = mixed.shares.iter().sum::<f32>() / MOTORS as f32;
-            prop_assert!((mean - ARMED_MINIMUM - t * (1.0 - ARMED_MINIMUM)).abs() < 1e-4);
+            let mixed = Mixer::default().mix_evenly(TorqueDemand(Vec3::new(x, y, z)), thrust);
+            let mean = mixed.shares.iter().sum::<f32>() / mixed.shares.len() as f32;
+            prop_assert!((mean - LEAST - t * (1.0 - LEAST)).abs() < 1e-4);
         }
     }
 }

@@ -18,23 +18,13 @@ struct Frame {
     mix: Mix,
 }
 
-static FRAMES: LazyLock<[Frame; 3]> =
-    LazyLock::new(|| [frame::<4>("quad_x"), frame::<6>("hexa_x"), frame::<6>("y6")]);
+static FRAMES: LazyLock<[Frame; 3]> = LazyLock::new(|| ["quad_x", "hexa_x", "y6"].map(frame));
 
-fn frame<const N: usize>(name: &'static str) -> Frame {
+fn frame(name: &'static str) -> Frame {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("config");
     let chosen = |variable: &str| (variable == "REFLEX_AIRFRAME").then(|| name.to_owned());
     let geometry = load_chosen(&folder, chosen).expect(name).airframe;
-    let steps = |steps: Vec<f64>| -> [f32; N] {
-        let steps: Vec<f32> = steps.into_iter().map(|step| step as f32).collect();
-        steps.try_into().expect(name)
-    };
-    let allocation = geometry.allocation();
-    let mixer = Mixer::new(
-        steps(allocation.roll),
-        steps(allocation.pitch),
-        steps(allocation.yaw),
-    );
+    let mixer = Mixer::new(&geometry.geometry());
     let mix = Box::new(move |torque, thrust| {
         let Mixed { shares, saturated } = mixer.mix(torque, thrust);
         (shares.to_vec(), saturated)
@@ -82,8 +72,10 @@ impl Frame {
     }
 }
 
+const LEAST: f32 = GEOMETRY.armed_minimum();
+
 /// The share of every motor at half thrust and no torque.
-const HOVER: f32 = ARMED_MINIMUM + 0.5 * (1.0 - ARMED_MINIMUM);
+const HOVER: f32 = LEAST + 0.5 * (1.0 - LEAST);
 
 /// Roll, pitch and yaw steps in the order of the outputs: lever times sqrt(2), reaction.
 ///
@@ -159,7 +151,7 @@ fn the_built_mixer_is_that_of_its_file() {
         TorqueDemand(Vec3::new(0.1, -0.05, 0.02)),
         Thrust::new(0.5).expect("in range"),
     );
-    let mixed = MIXER.mix(torque, thrust);
+    let mixed = Mixer::default().mix(torque, thrust);
     assert_eq!((built.mix)(torque, thrust), (mixed.shares.to_vec(), false));
 }
 
@@ -174,7 +166,7 @@ fn yaw_yields_to_pitch_where_the_rear_arm_has_the_longest_lever() {
     assert!((got.torque.y - 0.3).abs() < 1e-5);
     assert!((got.torque.z - 0.0507).abs() < 1e-4);
     assert!((got.mean - HOVER).abs() < 1e-5);
-    assert!((shares[2] - ARMED_MINIMUM).abs() < 1e-5, "the rear top one");
+    assert!((shares[2] - LEAST).abs() < 1e-5, "the rear top one");
 }
 
 fn torque(most: f32) -> [std::ops::Range<f32>; 3] {
@@ -187,7 +179,7 @@ proptest! {
         for frame in FRAMES.iter() {
             let (shares, _) = frame.mix(demand, thrust);
             for share in shares {
-                prop_assert!((ARMED_MINIMUM..=1.0).contains(&share), "{}", frame.name);
+                prop_assert!((LEAST..=1.0).contains(&share), "{}", frame.name);
             }
         }
     }
@@ -202,7 +194,7 @@ proptest! {
                 let got = frame.achieved(&shares);
                 let [x, y, z] = demand;
                 prop_assert!((got.torque - Vec3::new(x, y, z)).max_norm() < 1e-5, "{}", frame.name);
-                let wanted = ARMED_MINIMUM + thrust * (1.0 - ARMED_MINIMUM);
+                let wanted = LEAST + thrust * (1.0 - LEAST);
                 prop_assert!((got.mean - wanted).abs() < 1e-5, "{}", frame.name);
             }
         }

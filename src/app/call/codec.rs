@@ -1,11 +1,13 @@
 //! Fields of a record to bytes and back.
 
 use super::{DecodeError, LONGEST_RECORD};
+use crate::airframe::MotorShares;
 use crate::app::{ChipAction, ChipOrder, ChipSetting, OrderError};
 use crate::control::{Setpoint, Yaw};
 use crate::link::{Destination, ExternalPose, Message};
 use crate::math::{Quaternion, Vec3};
 use crate::sensors::{Cause, ImuReading, Input};
+use crate::settings::MOST_MOTORS;
 use crate::units::{BodyRates, Position, SpecificForce, Thrust, Velocity};
 
 pub(super) struct Encoder<'b> {
@@ -39,6 +41,16 @@ impl<'b> Encoder<'b> {
         let (words, _) = place.unwrap_or_default().as_chunks_mut();
         for (word, value) in words.iter_mut().zip(values) {
             *word = value.to_le_bytes();
+            self.length += 4;
+        }
+    }
+
+    /// How many, then each.
+    pub(super) fn shares(&mut self, shares: &MotorShares) {
+        self.byte(shares.len() as u8);
+        let place = self.buffer.get_mut(self.length..).unwrap_or_default();
+        for (word, share) in place.as_chunks_mut().0.iter_mut().zip(shares.iter()) {
+            *word = share.to_le_bytes();
             self.length += 4;
         }
     }
@@ -177,6 +189,15 @@ impl<'b> Decoder<'b> {
             *value = self.float()?;
         }
         Ok(values)
+    }
+
+    pub(super) fn shares(&mut self) -> Result<MotorShares, DecodeError> {
+        let motors = |count| (usize::from(count) <= MOST_MOTORS).then_some(count);
+        let mut shares = MotorShares::all(0.0, self.choice(motors)?.into());
+        for share in shares.iter_mut() {
+            *share = self.float()?;
+        }
+        Ok(shares)
     }
 
     pub(super) fn vector(&mut self) -> Result<Vec3, DecodeError> {

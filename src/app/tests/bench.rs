@@ -45,7 +45,7 @@ pub fn obeyed(order: ChipOrder) -> ChipSetting {
 pub struct Bench<L = Cascade> {
     pub autopilot: Autopilot<Vec<Stamped>, L>,
     pub now: u64,
-    pub outputs: Vec<(u64, [f32; MOTORS])>,
+    pub outputs: Vec<(u64, MotorShares)>,
 }
 
 impl Bench {

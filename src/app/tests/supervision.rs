@@ -120,7 +120,7 @@ fn values_that_are_no_numbers_are_counted_and_reach_nothing() {
     bench.autopilot.on_refit(at_micros(bench.now), refit);
     assert_eq!(bench.autopilot.faults(Fault::NotFinite), 2);
     bench.milliseconds(1_000, gusty);
-    let finite = |shares: &[f32; MOTORS]| shares.iter().all(|share| share.is_finite());
+    let finite = |shares: &MotorShares| shares.iter().all(|share| share.is_finite());
     assert!(bench.outputs.iter().all(|(_, shares)| finite(shares)));
     assert!(
         Input::ALL

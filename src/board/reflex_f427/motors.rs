@@ -6,9 +6,8 @@
 //! stays low.
 
 use reflex::airframe::{MotorShares, period_ticks, ticks};
-use reflex::config::MOTORS;
 use reflex::safety::MotorOutput;
-use reflex::settings::MotorProtocol;
+use reflex::settings::{MOST_MOTORS, MotorProtocol};
 use reflex::tasks::control;
 use stm32f4xx_hal::pac::{self, tim3};
 use stm32f4xx_hal::rcc::{self, Enable, Reset};
@@ -29,41 +28,45 @@ impl Motors {
         first: pac::TIM3,
         second: pac::TIM4,
         protocol: MotorProtocol,
+        motors: usize,
         rcc: &mut rcc::Rcc,
     ) -> Self {
         pac::TIM3::enable(rcc);
         pac::TIM3::reset(rcc);
+        let has_second = motors > CHANNELS;
+        let stopped = MotorShares::all(0.0, motors);
         let mut motors = Self {
             first,
             second,
             protocol,
         };
-        if MOTORS > CHANNELS {
+        if has_second {
             pac::TIM4::enable(rcc);
             pac::TIM4::reset(rcc);
         }
-        motors.store([0.0; MOTORS]);
+        motors.store(&stopped);
         prepare(&motors.first, protocol);
-        if MOTORS > CHANNELS {
+        if has_second {
             prepare(&motors.second, protocol);
         }
         count(&motors.first);
-        if MOTORS > CHANNELS {
+        if has_second {
             count(&motors.second);
         }
         motors
     }
 
-    fn store(&mut self, shares: MotorShares) {
-        let mut ticks = shares.map(|share| ticks(self.protocol, share)).into_iter();
-        let first = &self.first;
-        for (register, ticks) in first.ccr_iter().zip(&mut ticks) {
-            register.write(|w| w.ccr().set(ticks));
+    fn store(&mut self, shares: &MotorShares) {
+        let mut pulses = [0; MOST_MOTORS];
+        for (pulse, share) in pulses.iter_mut().zip(shares.iter()) {
+            *pulse = ticks(self.protocol, *share);
         }
-        if MOTORS > CHANNELS {
-            for (register, ticks) in self.second.ccr_iter().zip(ticks) {
-                register.write(|w| w.ccr().set(ticks));
-            }
+        let mut pulses = pulses.into_iter().take(shares.len());
+        for (register, pulse) in self.first.ccr_iter().zip(&mut pulses) {
+            register.write(|w| w.ccr().set(pulse));
+        }
+        for (register, pulse) in self.second.ccr_iter().zip(pulses) {
+            register.write(|w| w.ccr().set(pulse));
         }
     }
 }
@@ -74,7 +77,7 @@ impl control::Motors for Motors {
     /// The arithmetic comes first: the stores are back to back, so that an update event finds
     /// either none or all of them but for a share of 10^-4 of its period.
     fn write(&mut self, output: &MotorOutput) {
-        self.store(output.share());
+        self.store(&output.share());
     }
 }
 

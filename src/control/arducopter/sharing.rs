@@ -5,12 +5,9 @@
 //! where that does not suffice, roll, pitch and yaw shrink together.
 
 use crate::airframe::{Mixed, Mixer, MotorShares};
-use crate::config::{ARMED_MINIMUM, MOTORS};
 use crate::math::{between, limited};
 use crate::settings::gains::arducopter::Thrust as ThrustGains;
 use crate::units::{Thrust, TorqueDemand};
-
-const SPAN: f32 = 1.0 - ARMED_MINIMUM;
 
 /// The motor vector of a demand, given the thrust of hover (share).
 #[must_use]
@@ -21,24 +18,22 @@ pub fn shared(
     hover: f32,
     gains: &ThrustGains,
 ) -> Mixed {
-    let [roll, pitch, yaw] = mixer.axes();
-    let mut turning = [0.0; MOTORS];
-    for ((out, roll), pitch) in turning.iter_mut().zip(roll).zip(pitch) {
-        *out = roll * torque.0.x + pitch * torque.0.y;
-    }
-    let wanted = thrust.share() * SPAN;
-    let raised = wanted * (1.0 - gains.attitude_priority) + hover * SPAN * gains.attitude_priority;
-    let most = wanted.max(raised).min(SPAN);
-    let headroom = yaw_headroom(&turning, yaw, torque.0.z, most.min(0.5 * SPAN));
-    let headroom = headroom.max(gains.yaw_headroom * SPAN);
+    let [_, _, yaw] = mixer.axes();
+    let (least, span) = (mixer.least(), mixer.span());
+    let mut turning = mixer.tilt(torque);
+    let wanted = thrust.share() * span;
+    let raised = wanted * (1.0 - gains.attitude_priority) + hover * span * gains.attitude_priority;
+    let most = wanted.max(raised).min(span);
+    let headroom = yaw_headroom(&turning, mixer, torque.0.z, most.min(0.5 * span));
+    let headroom = headroom.max(gains.yaw_headroom * span);
     let turn = limited(torque.0.z, headroom);
-    for (out, yaw) in turning.iter_mut().zip(yaw) {
+    for (out, yaw) in turning.iter_mut().zip(yaw.iter()) {
         *out += yaw * turn;
     }
-    let (base, fit) = fitted(&turning, wanted, most);
+    let (base, fit) = fitted(&turning, wanted, most, span);
     let shares = turning.map(|turning| {
-        let share = ARMED_MINIMUM + base + turning * fit;
-        between(share, ARMED_MINIMUM, 1.0)
+        let share = least + base + turning * fit;
+        between(share, least, 1.0)
     });
     Mixed {
         shares,
@@ -47,12 +42,13 @@ pub fn shared(
 }
 
 /// The largest yaw demand that every motor can give beside `base` and `turning`.
-fn yaw_headroom(turning: &MotorShares, yaw: &MotorShares, demand: f32, base: f32) -> f32 {
+fn yaw_headroom(turning: &MotorShares, mixer: &Mixer, demand: f32, base: f32) -> f32 {
+    let ([_, _, yaw], span) = (mixer.axes(), mixer.span());
     let mut allowed = 1.0f32;
-    for (turning, yaw) in turning.iter().zip(yaw) {
+    for (turning, yaw) in turning.iter().zip(yaw.iter()) {
         let used = base + turning;
         let room = if yaw * demand > 0.0 {
-            SPAN - used
+            span - used
         } else {
             used
         };
@@ -64,15 +60,15 @@ fn yaw_headroom(turning: &MotorShares, yaw: &MotorShares, demand: f32, base: f32
 }
 
 /// The thrust above the armed minimum, and the part of every torque that fits.
-fn fitted(turning: &MotorShares, wanted: f32, most: f32) -> (f32, f32) {
+fn fitted(turning: &MotorShares, wanted: f32, most: f32, span: f32) -> (f32, f32) {
     let (low, high) = turning
         .iter()
         .fold((0.0f32, 0.0f32), |(low, high), &turning| {
             (low.min(turning), high.max(turning))
         });
     let mut fit = 1.0f32;
-    if high - low > SPAN {
-        fit = SPAN / (high - low);
+    if high - low > span {
+        fit = span / (high - low);
     }
     if most + low < 0.0 {
         fit = fit.min(-most / low);
@@ -81,15 +77,18 @@ fn fitted(turning: &MotorShares, wanted: f32, most: f32) -> (f32, f32) {
     if fit < 1.0 {
         return (least, fit);
     }
-    (wanted.min(SPAN - high).max(least), fit)
+    (wanted.min(span - high).max(least), fit)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::GEOMETRY;
     use crate::config::arducopter::GAINS;
     use crate::math::Vec3;
     use proptest::prelude::*;
+
+    const LEAST: f32 = GEOMETRY.armed_minimum();
 
     fn share(torque: [f32; 3], thrust: f32) -> Mixed {
         let [x, y, z] = torque;
@@ -106,7 +105,11 @@ mod tests {
     /// What the motors do to the body, by the same geometry.
     fn achieved(shares: &MotorShares) -> [f32; 3] {
         Mixer::default().axes().map(|factors| {
-            shares.iter().zip(factors).map(|(s, f)| s * f).sum::<f32>()
+            shares
+                .iter()
+                .zip(factors.iter())
+                .map(|(s, f)| s * f)
+                .sum::<f32>()
                 / factors.iter().map(|f| f * f).sum::<f32>()
         })
     }
@@ -122,7 +125,7 @@ mod tests {
             TorqueDemand(Vec3::new(0.1, -0.05, 0.02)),
             Thrust::new(0.5).expect("in range"),
         );
-        for (share, plain) in mixed.shares.into_iter().zip(plain.shares) {
+        for (share, plain) in mixed.shares.iter().zip(plain.shares.iter()) {
             assert!((share - plain).abs() < 1e-6);
         }
     }
@@ -131,13 +134,13 @@ mod tests {
     fn at_little_thrust_the_attitude_is_kept_up_to_the_priority() {
         let small = share([0.1, 0.0, 0.0], 0.05);
         assert!((achieved(&small.shares)[0] - 0.1).abs() < 1e-5);
-        let mean: f32 = small.shares.iter().sum::<f32>() / MOTORS as f32;
-        assert!((mean - ARMED_MINIMUM - 0.1).abs() < 1e-5, "{mean}");
+        let mean: f32 = small.shares.iter().sum::<f32>() / small.shares.len() as f32;
+        assert!((mean - LEAST - 0.1).abs() < 1e-5, "{mean}");
         let large = share([0.4, 0.0, 0.0], 0.0);
         assert!(large.saturated);
         let got = achieved(&large.shares)[0];
         assert!(
-            (got - 0.35 * GAINS.thrust.attitude_priority * SPAN).abs() < 1e-5,
+            (got - 0.35 * GAINS.thrust.attitude_priority * (1.0 - LEAST)).abs() < 1e-5,
             "{got}"
         );
     }
@@ -154,8 +157,8 @@ mod tests {
         fn commands_never_leave_their_range(
             x in -3.0f32..3.0, y in -3.0f32..3.0, z in -3.0f32..3.0, t in 0.0f32..=1.0
         ) {
-            for share in share([x, y, z], t).shares {
-                prop_assert!((ARMED_MINIMUM..=1.0).contains(&share));
+            for share in share([x, y, z], t).shares.iter() {
+                prop_assert!((LEAST..=1.0).contains(share));
             }
         }
 
@@ -176,7 +179,7 @@ mod tests {
         ) {
             let before = share([x, y, z], t).shares;
             let after = share([x + 1e-3, y - 1e-3, z + 1e-3], t + 1e-3).shares;
-            for (before, after) in before.into_iter().zip(after) {
+            for (before, after) in before.iter().zip(after.iter()) {
                 prop_assert!((before - after).abs() < 0.03);
             }
         }

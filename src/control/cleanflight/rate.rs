@@ -199,7 +199,7 @@ mod tests {
     fn mixed(saturated: bool) -> Mixed {
         Mixed {
             saturated,
-            ..crate::airframe::MIXER.mix_evenly(TorqueDemand::default(), half())
+            ..crate::airframe::Mixer::default().mix_evenly(TorqueDemand::default(), half())
         }
     }
 

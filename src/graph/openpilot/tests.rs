@@ -215,8 +215,8 @@ proptest! {
             graph.see(Place { dt, ..Place::default() });
             graph.take(&body.motion(0.0, dt), Some(heading));
             graph.run();
-            for share in graph.command().shares {
-                prop_assert!((0.0..=1.0).contains(&share), "{}", share);
+            for share in graph.command().shares.iter() {
+                prop_assert!((0.0..=1.0).contains(share), "{}", share);
             }
         }
     }

@@ -3,7 +3,7 @@
 //! Enough to see a wrong sign, a gain off by a power of ten, or a law that wants more runs.
 
 use crate::airframe::{Mixer, MotorShares};
-use crate::config::{ARMED_MINIMUM, MOTORS};
+use crate::config::GEOMETRY;
 use crate::estimate::{Arrival, Motion, Place};
 use crate::graph::ControlLogic;
 use crate::math::{Quaternion, Vec3};
@@ -17,6 +17,8 @@ const STEP: f32 = 0.001;
 const MOTOR_LAG: f32 = 0.025;
 /// Angular acceleration (rad/s2) of full authority, about each axis.
 const AUTHORITY: Vec3 = Vec3::new(200.0, 200.0, 30.0);
+/// Least command of an armed motor.
+const LEAST: f32 = GEOMETRY.armed_minimum();
 /// Share of thrust at which it hovers.
 pub const HOVER: f32 = 0.4;
 
@@ -41,7 +43,7 @@ pub struct Body {
 impl Body {
     /// At rest in an attitude, its motors at hover.
     pub fn new(attitude: Quaternion) -> Self {
-        let hover = [ARMED_MINIMUM + HOVER * (1.0 - ARMED_MINIMUM); MOTORS];
+        let hover = MotorShares::all(LEAST + HOVER * (1.0 - LEAST), GEOMETRY.count());
         Self {
             attitude,
             rates: Vec3::ZERO,
@@ -91,17 +93,22 @@ impl Body {
 
     /// A step of the motion; what an accelerometer feels in it.
     fn step(&mut self) -> Vec3 {
-        for (motor, command) in self.motors.iter_mut().zip(self.command) {
+        for (motor, command) in self.motors.iter_mut().zip(self.command.iter()) {
             *motor += (command - *motor) * (STEP / (MOTOR_LAG + STEP));
         }
         let [roll, pitch, yaw] = Mixer::default().axes().map(|factors| {
-            let turning: f32 = self.motors.iter().zip(factors).map(|(m, f)| m * f).sum();
+            let turning: f32 = self
+                .motors
+                .iter()
+                .zip(factors.iter())
+                .map(|(m, f)| m * f)
+                .sum();
             turning / factors.iter().map(|f| f * f).sum::<f32>()
         });
         self.rates += Vec3::new(roll, pitch, yaw).scale(AUTHORITY) * STEP;
         self.attitude = self.attitude.turned_by(self.rates * STEP);
-        let mean = self.motors.iter().sum::<f32>() / MOTORS as f32;
-        let thrust = (mean - ARMED_MINIMUM) / (1.0 - ARMED_MINIMUM);
+        let mean = self.motors.iter().sum::<f32>() / self.motors.len() as f32;
+        let thrust = (mean - LEAST) / (1.0 - LEAST);
         let force = Vec3::new(0.0, 0.0, -GRAVITY * thrust / HOVER);
         self.velocity += (self.attitude.to_earth(force) + Vec3::new(0.0, 0.0, GRAVITY)) * STEP;
         self.position += self.velocity * STEP;

@@ -2,7 +2,8 @@
 
 use super::learner::PATIENCE;
 use super::*;
-use crate::config::{HYPERPERIOD, MOTORS, SETTINGS};
+use crate::airframe::MotorShares;
+use crate::config::{HYPERPERIOD, SETTINGS};
 use crate::reactive::RefitJob;
 use crate::time::{Duration, micros};
 use proptest::prelude::*;
@@ -27,7 +28,7 @@ impl School {
     fn show(&mut self, length: Duration, share: impl Fn(f32) -> f32) {
         for step in 0..length / HYPERPERIOD {
             self.now += HYPERPERIOD;
-            let command = [share(self.now.ticks() as f32 * 1e-6); MOTORS];
+            let command = MotorShares::all(share(self.now.ticks() as f32 * 1e-6), 4);
             self.learners.hold_run(self.now, &command, |_, _| {});
             if step % 500 == 0 {
                 self.refit(Input::Command);

@@ -53,10 +53,11 @@ pub(super) fn report(
 
 /// The pulses that the commands stand for, at the instants of their runs: no timer wrote them.
 fn digest(runs: &[(u64, Ran)], protocol: MotorProtocol) -> String {
-    let pulse = |share: f32| pulse_ns(protocol, share);
+    let pulse = |share: &f32| pulse_ns(protocol, *share);
     let mut digest = MotorDigest::new();
     for (at_us, ran) in runs {
-        digest.write(nanos(at_micros(*at_us)), &ran.shares.map(pulse));
+        let pulses: Vec<u32> = ran.shares.iter().map(pulse).collect();
+        digest.write(nanos(at_micros(*at_us)), &pulses);
     }
     digest.hex()
 }

@@ -34,7 +34,7 @@ fn rms_is_over_hyperperiods_and_motors_in_quanta() {
     for _ in 0..3 {
         end(&mut flight, 0.5, None);
     }
-    let mean_square = 4.0 / (4.0 * MOTORS as f64);
+    let mean_square = 4.0 / (4.0 * GEOMETRY.count() as f64);
     close(actuators(&flight).rms_deviation_quanta, mean_square.sqrt());
     // Every motor one quantum away in every hyperperiod.
     let mut flight = after_warm_up(0.5);
