@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use oorandom::Rand32;
 use reflex::airframe::MotorShares;
-use reflex::config::{MOTORS, of_input};
+use reflex::config::{GEOMETRY, of_input};
 use reflex::control::Setpoint;
 use reflex::estimate::Arrival;
 use reflex::graph::{ControlLogic, Flown};
@@ -110,7 +110,7 @@ fn holds() {
         let rates = samples.axes(2.0);
         let newest = Held {
             sample: rates,
-            command: MotorShares::all(0.0, GEOMETRY.count()).map(|_| samples.around(0.5, 0.01)),
+            command: command(&mut samples),
             rates,
         };
         let now = at_micros(1000 * round as u64);
@@ -144,4 +144,12 @@ fn label(samples: &mut Samples, round: usize) -> Label {
         changed: round.is_multiple_of(3),
         weight: 1.0,
     }
+}
+
+fn command(samples: &mut Samples) -> MotorShares {
+    let mut command = MotorShares::all(0.0, GEOMETRY.count());
+    for share in command.iter_mut() {
+        *share = samples.around(0.5, 0.01);
+    }
+    command
 }

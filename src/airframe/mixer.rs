@@ -76,8 +76,8 @@ impl Mixer {
     #[must_use]
     pub fn mix(&self, torque: TorqueDemand, thrust: Thrust) -> Mixed {
         let (least, span) = (self.least, self.span());
-        let mut mixed = self.tilt(torque);
-        let (lowest, highest) = range(&mixed);
+        let tilt = self.tilt(torque);
+        let (lowest, highest) = range(&tilt);
         let fit = if highest - lowest > span {
             span / (highest - lowest)
         } else {
@@ -85,15 +85,11 @@ impl Mixer {
         };
         let wanted = least + thrust.share() * span;
         let base = wanted.max(least - lowest * fit).min(1.0 - highest * fit);
-        for share in mixed.iter_mut() {
-            *share = base + *share * fit;
-        }
-        let yaw_fit = self.yaw_headroom(&mixed, torque.0.z);
-        for (share, yaw) in mixed.iter_mut().zip(self.yaw.iter()) {
-            *share = armed(*share + yaw * torque.0.z * yaw_fit, least);
-        }
+        let level = tilt.map(|tilt| base + tilt * fit);
+        let yaw_fit = self.yaw_headroom(&level, torque.0.z);
+        let turned = |share, yaw| armed(share + yaw * torque.0.z * yaw_fit, least);
         Mixed {
-            shares: mixed,
+            shares: level.zip(&self.yaw, turned),
             saturated: fit < 1.0 || base != wanted || yaw_fit < 1.0,
         }
     }
@@ -101,17 +97,13 @@ impl Mixer {
     /// What roll and pitch move each motor by.
     #[must_use]
     pub fn tilt(&self, torque: TorqueDemand) -> MotorShares {
-        let mut tilt = self.roll;
-        for (tilt, pitch) in tilt.iter_mut().zip(self.pitch.iter()) {
-            *tilt = *tilt * torque.0.x + pitch * torque.0.y;
-        }
-        tilt
+        let tilt = |roll, pitch| roll * torque.0.x + pitch * torque.0.y;
+        self.roll.zip(&self.pitch, tilt)
     }
 
     /// The share of the yaw demand that no motor is driven past its range by.
     fn yaw_headroom(&self, shares: &MotorShares, demand: f32) -> f32 {
-        let mut fit = 1.0f32;
-        for (share, yaw) in shares.iter().zip(self.yaw.iter()) {
+        shares.fold(&self.yaw, 1.0f32, |fit, share, yaw| {
             let step = yaw * demand;
             let room = if step > 0.0 {
                 1.0 - share
@@ -119,10 +111,11 @@ impl Mixer {
                 share - self.least
             };
             if step.abs() > room.max(0.0) {
-                fit = fit.min(room.max(0.0) / step.abs());
+                fit.min(room.max(0.0) / step.abs())
+            } else {
+                fit
             }
-        }
-        fit
+        })
     }
 }
 
@@ -137,12 +130,11 @@ fn armed(share: f32, least: f32) -> f32 {
     }
 }
 
-fn range(shares: &[f32]) -> (f32, f32) {
-    shares
-        .iter()
-        .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &share| {
-            (low.min(share), high.max(share))
-        })
+fn range(shares: &MotorShares) -> (f32, f32) {
+    let none = (f32::INFINITY, f32::NEG_INFINITY);
+    shares.fold(shares, none, |(low, high), share, _| {
+        (low.min(share), high.max(share))
+    })
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use core::fmt;
 use core::ops::{Deref, DerefMut};
 
-use crate::settings::MOST_MOTORS;
+use crate::settings::{FEWEST_MOTORS, MOST_MOTORS};
 
 /// One share of full scale per motor, in the order of the outputs; a slice to whoever reads it.
 #[derive(Clone, Copy, Default)]
@@ -38,11 +38,56 @@ impl MotorShares {
 
     /// What becomes of each share.
     #[must_use]
-    pub fn map(&self, mut of: impl FnMut(f32) -> f32) -> Self {
-        let mut mapped = *self;
-        mapped.iter_mut().for_each(|share| *share = of(*share));
-        mapped
+    #[inline(always)]
+    pub fn map(&self, of: impl Fn(f32) -> f32) -> Self {
+        self.zip(self, |share, _| of(share))
     }
+
+    /// What becomes of each share beside another's.
+    #[must_use]
+    #[inline(always)]
+    pub fn zip(&self, other: &Self, of: impl Fn(f32, f32) -> f32) -> Self {
+        let mut zipped = *self;
+        let ([first, rest], [others, others_rest]) =
+            (halves_mut(&mut zipped.shares), halves(&other.shares));
+        let put = |(share, other): (&mut f32, &f32)| *share = of(*share, *other);
+        first.iter_mut().zip(others).for_each(put);
+        rest.iter_mut()
+            .zip(others_rest)
+            .take(self.beyond())
+            .for_each(put);
+        zipped
+    }
+
+    /// What all shares come to, one after the other, each beside another's.
+    #[must_use]
+    #[inline(always)]
+    pub fn fold<T>(&self, other: &Self, start: T, of: impl Fn(T, f32, f32) -> T) -> T {
+        let ([first, rest], [others, others_rest]) = (halves(&self.shares), halves(&other.shares));
+        let take = |so_far, (share, other): (&f32, &f32)| of(so_far, *share, *other);
+        let so_far = first.iter().zip(others).fold(start, take);
+        let rest = rest.iter().zip(others_rest).take(self.beyond());
+        rest.fold(so_far, take)
+    }
+
+    /// Motors behind the first four, which every airframe has.
+    fn beyond(&self) -> usize {
+        usize::from(self.count).saturating_sub(FEWEST_MOTORS)
+    }
+}
+
+/// Those that every airframe has, so that loops over them are straight lines, and the others.
+#[inline(always)]
+fn halves(shares: &[f32; MOST_MOTORS]) -> [&[f32]; 2] {
+    let (first, rest) = shares.split_at(FEWEST_MOTORS);
+    [first, rest]
+}
+
+/// As [`halves`].
+#[inline(always)]
+fn halves_mut(shares: &mut [f32; MOST_MOTORS]) -> [&mut [f32]; 2] {
+    let (first, rest) = shares.split_at_mut(FEWEST_MOTORS);
+    [first, rest]
 }
 
 impl Deref for MotorShares {

@@ -182,8 +182,9 @@ impl Lead {
 /// True where some motor's command differs by a quantum or more: a dead-band, not a rounding.
 #[must_use]
 pub fn differs(a: &MotorShares, b: &MotorShares, quantum: f32) -> bool {
-    let mut pairs = a.iter().zip(b.iter());
-    pairs.any(|(a, b)| (a - b).abs() >= quantum)
+    a.fold(b, false, |differs, a, b| {
+        differs | ((a - b).abs() >= quantum)
+    })
 }
 
 #[cfg(test)]

@@ -15,10 +15,9 @@ impl Mixer {
     #[must_use]
     pub fn mix_evenly(&self, torque: TorqueDemand, thrust: Thrust) -> Mixed {
         let (least, span) = (self.least, self.span());
-        let mut turn = self.tilt(torque);
-        for (turn, yaw) in turn.iter_mut().zip(self.yaw.iter()) {
-            *turn += yaw * torque.0.z;
-        }
+        let turn = self
+            .tilt(torque)
+            .zip(&self.yaw, |tilt, yaw| tilt + yaw * torque.0.z);
         let (lowest, highest) = range(&turn);
         let saturated = highest - lowest > span;
         let fit = if saturated {

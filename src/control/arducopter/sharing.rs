@@ -20,16 +20,14 @@ pub fn shared(
 ) -> Mixed {
     let [_, _, yaw] = mixer.axes();
     let (least, span) = (mixer.least(), mixer.span());
-    let mut turning = mixer.tilt(torque);
+    let turning = mixer.tilt(torque);
     let wanted = thrust.share() * span;
     let raised = wanted * (1.0 - gains.attitude_priority) + hover * span * gains.attitude_priority;
     let most = wanted.max(raised).min(span);
     let headroom = yaw_headroom(&turning, mixer, torque.0.z, most.min(0.5 * span));
     let headroom = headroom.max(gains.yaw_headroom * span);
     let turn = limited(torque.0.z, headroom);
-    for (out, yaw) in turning.iter_mut().zip(yaw.iter()) {
-        *out += yaw * turn;
-    }
+    let turning = turning.zip(yaw, |tilt, yaw| tilt + yaw * turn);
     let (base, fit) = fitted(&turning, wanted, most, span);
     let shares = turning.map(|turning| {
         let share = least + base + turning * fit;
