@@ -4,6 +4,6 @@ mod mixer;
 mod motor_shares;
 mod pulse;
 
-pub use mixer::{Mixed, Mixer};
+pub use mixer::{Allocation, Evenly, LevelFirst, Mixed, Mixer, Sharing};
 pub use motor_shares::MotorShares;
 pub use pulse::{period_ticks, ticks};

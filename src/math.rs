@@ -33,5 +33,21 @@ pub fn limited(x: f32, limit: f32) -> f32 {
 /// `x` within `low..=high`, for `low` of at most `high`; see [`limited`].
 #[must_use]
 pub fn between(x: f32, low: f32, high: f32) -> f32 {
-    x.max(low).min(high)
+    min(max(x, low), high)
+}
+
+/// The larger of two; `b` where `a` is not a number.
+///
+/// One comparison, unlike `f32::max`, which is a call of 17 instructions on the target.
+#[must_use]
+#[inline]
+pub fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two; `b` where `a` is not a number. See [`max`].
+#[must_use]
+#[inline]
+pub fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }

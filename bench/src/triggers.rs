@@ -48,9 +48,9 @@ fn test<S: Sample>([before, after]: [S; 2], calls: bool) {
     let mut watch = Watch::new(black_box(Reference::LastRun));
     let mut decision = Decision::new(0.5);
     decision.set_fit(MODEL);
-    decision.take(watch.take(before));
+    decision.take(watch.take(&before));
     watch.on_run();
     let (watch, decision, after) = black_box((&mut watch, &mut decision, &after));
-    let answer = measured(|| decision.take(watch.take(*after)));
+    let answer = measured(|| decision.take(watch.take(after)));
     assert!(answer == calls);
 }

@@ -3,7 +3,7 @@
 //! A function for each kind of value, to be named beside the field: the error then carries the
 //! value's place in the file, and no value out of its range ever exists.
 
-use reflex_settings::{Range, above, from_below, within};
+use reflex_settings::{ARMED_MINIMUM, DIRECTION, Range, above, within};
 use serde::de::{Deserialize, Deserializer, Error};
 
 /// One number or several.
@@ -68,7 +68,7 @@ ranges! {
     /// A share of full scale or authority.
     share: f64 = within(0.0, 1.0), "";
     /// The least command of an armed motor.
-    armed_minimum: f64 = within(0.0, 0.3), "";
+    armed_minimum: f64 = ARMED_MINIMUM, "";
     /// Steps in a full scale.
     steps: u32 = within(2.0, 65_535.0), "";
     /// A tenth of a second to ten.
@@ -112,7 +112,7 @@ ranges! {
     /// Noise of a reported place or velocity, in m or m/s.
     tracking_noise: f64 = within(0.0, 1.0), "";
     /// A direction.
-    direction: f64 = from_below(0.0, 360.0), "degrees";
+    direction: f64 = DIRECTION, "degrees";
 }
 
 /// A magnetic field, to the north and down.

@@ -7,13 +7,20 @@
 //!
 //! The same arithmetic checks `config/` while building and makes the mixer when the firmware starts.
 
-use core::f64::consts::SQRT_2;
+use core::f64::consts::{PI, SQRT_2};
 use core::fmt;
+
+use crate::range::{Range, from_below, within};
 
 /// Most motors that an airframe has.
 pub const MOST_MOTORS: usize = 8;
 /// Fewest motors that an airframe has.
 pub const FEWEST_MOTORS: usize = 4;
+
+/// Directions of arms, in degrees.
+pub const DIRECTION: Range = from_below(0.0, 360.0);
+/// The least command of an armed motor, as a share of full scale.
+pub const ARMED_MINIMUM: Range = within(0.0, 0.3);
 
 /// Least authority about an axis, where 1 is that of evenly spaced arms.
 const LEAST_AUTHORITY: f64 = 0.2;
@@ -42,27 +49,13 @@ pub struct Airframe {
     motors: [Motor; MOST_MOTORS],
 }
 
-/// Share of full scale by which a unit of demand moves each motor, zero where there is none.
-///
-/// A unit is the same torque per motor on every airframe: of roll and pitch, all motors' full
-/// scale on the lever that the motors of an X quadrotor have, 1/sqrt(2) of an arm; of yaw, the
-/// reaction of all propellers at full scale. So gains carry over between airframes, but for
-/// what their inertia differs by.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Allocation {
-    /// For a torque that lowers the right side.
-    pub roll: [f32; MOST_MOTORS],
-    /// For a torque that raises the nose.
-    pub pitch: [f32; MOST_MOTORS],
-    /// For a torque that turns the nose to the right.
-    pub yaw: [f32; MOST_MOTORS],
-}
-
 /// Why an airframe is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AirframeError {
     /// Too few motors, or too many.
     Count(usize),
+    /// The direction of an arm is not within 0 to less than 360 degrees.
+    Direction(f32),
     /// Propellers do not turn half one way and half the other: so many of all turn clockwise.
     Spins(usize, usize),
     /// The least command is no share of full scale within 0 to 0.3.
@@ -83,7 +76,12 @@ impl fmt::Display for AirframeError {
             Self::Spins(clockwise, count) => {
                 write!(f, "{clockwise} of {count} spin cw, must be half of them")
             }
-            Self::ArmedMinimum(share) => write!(f, "{share} is out of range, must be 0 to 0.3"),
+            Self::Direction(degrees) => {
+                write!(f, "{degrees} degrees are out of range, must be {DIRECTION}")
+            }
+            Self::ArmedMinimum(share) => {
+                write!(f, "{share} is out of range, must be {ARMED_MINIMUM}")
+            }
             Self::Pull(axis, lever) => write!(
                 f,
                 "equal thrust would {axis}: the mean lever is {lever:.2} of an arm, at most {MOST_PULL}"
@@ -187,11 +185,16 @@ impl Airframe {
         if !(FEWEST_MOTORS..=MOST_MOTORS).contains(&count) {
             return Err(AirframeError::Count(count));
         }
+        for Motor { angle_deg, .. } in self.motors() {
+            if !DIRECTION.contains(f64::from(*angle_deg)) {
+                return Err(AirframeError::Direction(*angle_deg));
+            }
+        }
         let clockwise = self.motors().iter().filter(|it| it.clockwise).count();
         if clockwise * 2 != count {
             return Err(AirframeError::Spins(clockwise, count));
         }
-        if !(0.0..=0.3_f32).contains(&self.armed_minimum) {
+        if !ARMED_MINIMUM.contains(f64::from(self.armed_minimum)) {
             return Err(AirframeError::ArmedMinimum(self.armed_minimum));
         }
         let (axes, motors) = (self.axes(), count as f64);
@@ -210,17 +213,23 @@ impl Airframe {
         Ok(())
     }
 
-    /// What each motor must do for a torque, of an airframe that [`Self::check`] accepts.
+    /// Share of full scale by which a unit of demand moves each motor, zero where there is none:
+    /// about roll, pitch and yaw, of an airframe that [`Self::check`] accepts.
+    ///
+    /// A unit is the same torque per motor on every airframe: of roll and pitch, all motors' full
+    /// scale on the lever that the motors of an X quadrotor have, 1/sqrt(2) of an arm; of yaw, the
+    /// reaction of all propellers at full scale. So gains carry over between airframes, but for
+    /// what their inertia differs by.
     #[must_use]
-    pub fn allocation(&self) -> Allocation {
+    pub fn allocation(&self) -> [[f32; MOST_MOTORS]; 3] {
         let axes = self.axes();
         let [roll, pitch, yaw] = self.own_parts(&axes);
         let [of_roll, of_pitch, of_yaw] = &axes;
-        Allocation {
-            roll: of_roll.steps(&roll),
-            pitch: of_pitch.steps(&pitch),
-            yaw: of_yaw.steps(&yaw),
-        }
+        [
+            of_roll.steps(&roll),
+            of_pitch.steps(&pitch),
+            of_yaw.steps(&yaw),
+        ]
     }
 
     /// A pattern of the motors that there are.
@@ -235,16 +244,15 @@ impl Airframe {
     /// Roll, pitch and yaw; a motor on the right rolls to the left.
     fn axes(&self) -> [Axis; 3] {
         let count = self.count() as f64;
-        let radians = |motor: &Motor| f64::from(motor.angle_deg).to_radians();
         [
             Axis {
                 name: "roll",
-                pattern: self.pattern(|motor| -libm::sin(radians(motor))),
+                pattern: self.pattern(|motor| -sine(f64::from(motor.angle_deg))),
                 unit: count / SQRT_2,
             },
             Axis {
                 name: "pitch",
-                pattern: self.pattern(|motor| libm::cos(radians(motor))),
+                pattern: self.pattern(|motor| sine(f64::from(motor.angle_deg) + 90.0)),
                 unit: count / SQRT_2,
             },
             Axis {
@@ -309,6 +317,22 @@ fn dot(a: &Pattern, b: &Pattern) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// Sine of an angle in degrees, 0 to 450, to the last digits of `f64`.
+///
+/// By its series: a quarter turn in degrees is exact, so that nothing is left of a turn. `libm::sin`
+/// takes 6.5 KiB of flash to find quarter turns in any number of radians.
+fn sine(degrees: f64) -> f64 {
+    let quarter = match degrees {
+        ..90.0 => degrees,
+        ..270.0 => 180.0 - degrees,
+        _ => degrees - 360.0,
+    };
+    let x = quarter * (PI / 180.0);
+    // The 27th power of a quarter turn over 27! is below the last digit.
+    let terms = (1..14).rev().map(|n| f64::from(2 * n * (2 * n + 1)));
+    x * terms.fold(1.0, |sum, below| 1.0 - sum * x * x / below)
+}
+
 /// A motor on an axis has no lever: what rounding left of it would only be hard to read.
 fn exact_zero(step: f64) -> f64 {
     if step * step < ROUNDING { 0.0 } else { step }
@@ -338,6 +362,18 @@ mod tests {
     fn refusal<const N: usize>(angles: [f32; N], spins: [bool; N]) -> String {
         let refused = airframe(angles, spins).check();
         refused.expect_err("refused").to_string()
+    }
+
+    #[test]
+    fn the_sine_of_a_direction_is_that_of_the_standard_library() {
+        for tenth in 0..=4500 {
+            let degrees = f64::from(tenth) * 0.1;
+            assert!(
+                (sine(degrees) - degrees.to_radians().sin()).abs() < 1e-15,
+                "{degrees}"
+            );
+        }
+        assert_eq!([0.0, 180.0, 360.0].map(sine), [0.0; 3]);
     }
 
     #[test]
@@ -405,7 +441,7 @@ mod tests {
     #[test]
     fn a_quadrotor_moves_every_motor_by_the_whole_demand() {
         let quad = airframe([45.0, 225.0, 315.0, 135.0], [CCW, CCW, CW, CW]);
-        let Allocation { roll, pitch, yaw } = quad.allocation();
+        let [roll, pitch, yaw] = quad.allocation();
         assert_eq!(roll[..4], [-1.0, 1.0, 1.0, -1.0]);
         assert_eq!(pitch[..4], [1.0, -1.0, 1.0, -1.0]);
         assert_eq!(yaw[..4], [1.0, 1.0, -1.0, -1.0]);

@@ -23,7 +23,9 @@ mod settings;
 mod text;
 mod time;
 
-pub use airframe::{Airframe, AirframeError, Allocation, FEWEST_MOTORS, MOST_MOTORS, Motor};
+pub use airframe::{
+    ARMED_MINIMUM, Airframe, AirframeError, DIRECTION, FEWEST_MOTORS, MOST_MOTORS, Motor,
+};
 pub use block::{BLOCK_LENGTH, BlockError};
 pub use board::BOARD;
 pub use choices::{Choice, Choices, Feedback, MotorProtocol, Pairs, Policy, Reference};

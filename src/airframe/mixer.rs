@@ -1,28 +1,47 @@
 //! The mixer: torque demands and collective thrust to one command per motor.
 //!
-//! The allocation comes from the geometry of the airframe, not from a typed table: it is worked out
-//! once, at the start. Where the motors cannot give everything, roll and
-//! pitch are kept before thrust, and thrust before yaw: a drone that is level can be saved, one
-//! that keeps its heading cannot.
+//! The allocation comes from the geometry of the airframe, not from a typed table: it is worked
+//! out once, at the start. An airframe has four, six or eight motors, as half of them turn one
+//! way: [`Mixer`] tells these apart once a run, so that the loops of a [`Sharing`] are straight
+//! lines.
 
-mod even;
+mod evenly;
+mod level_first;
 
 use super::MotorShares;
 use crate::config::GEOMETRY;
-use crate::settings::Airframe;
+use crate::math::{max, min};
+use crate::settings::{Airframe, MOST_MOTORS};
 use crate::units::{Thrust, TorqueDemand};
+
+pub use evenly::Evenly;
+pub use level_first::LevelFirst;
+
+/// The mixer of an airframe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mixer(BySize);
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum BySize {
+    Four(Allocation<4>),
+    Six(Allocation<6>),
+    Eight(Allocation<8>),
+}
 
 /// Share of full scale that each axis moves each motor by, per unit of demand.
 ///
 /// A unit of roll or pitch is the torque of all motors at full scale on 1/sqrt(2) of an arm, the
 /// lever of an X quadrotor's motors; of yaw, the reaction of all propellers at full scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mixer {
-    roll: MotorShares,
-    pitch: MotorShares,
-    yaw: MotorShares,
-    /// Least command of an armed motor.
-    least: f32,
+pub struct Allocation<const N: usize> {
+    /// For a torque that lowers the right side.
+    pub roll: [f32; N],
+    /// For a torque that raises the nose.
+    pub pitch: [f32; N],
+    /// For a torque that turns the nose to the right.
+    pub yaw: [f32; N],
+    /// The least command of an armed motor, as a share of full scale.
+    pub least: f32,
 }
 
 /// A motor vector and whether a demand had to be cut to reach it.
@@ -32,6 +51,17 @@ pub struct Mixed {
     pub shares: MotorShares,
     /// Some demand was cut: the integrators must not grow.
     pub saturated: bool,
+}
+
+/// How the motors' range is shared where it does not suffice for a demand.
+pub trait Sharing {
+    /// One command per motor, and whether a demand was cut.
+    fn share<const N: usize>(
+        &self,
+        motors: &Allocation<N>,
+        torque: TorqueDemand,
+        thrust: Thrust,
+    ) -> ([f32; N], bool);
 }
 
 /// The mixer of the airframe that was built in.
@@ -45,25 +75,54 @@ impl Mixer {
     /// The mixer of an airframe that was checked.
     #[must_use]
     pub fn new(airframe: &Airframe) -> Self {
-        let (steps, count) = (airframe.allocation(), airframe.count());
-        Self {
-            roll: MotorShares::first(steps.roll, count),
-            pitch: MotorShares::first(steps.pitch, count),
-            yaw: MotorShares::first(steps.yaw, count),
-            least: airframe.armed_minimum(),
+        Self(match airframe.count() {
+            ..=4 => BySize::Four(Allocation::of(airframe)),
+            5..=6 => BySize::Six(Allocation::of(airframe)),
+            _ => BySize::Eight(Allocation::of(airframe)),
+        })
+    }
+
+    /// Share of full scale by which a unit of roll, of pitch, of yaw moves each motor.
+    #[must_use]
+    pub fn axes(&self) -> [&[f32]; 3] {
+        fn axes<const N: usize>(motors: &Allocation<N>) -> [&[f32]; 3] {
+            [&motors.roll, &motors.pitch, &motors.yaw]
+        }
+        match &self.0 {
+            BySize::Four(motors) => axes(motors),
+            BySize::Six(motors) => axes(motors),
+            BySize::Eight(motors) => axes(motors),
         }
     }
 
-    /// The shares themselves: of roll, of pitch, of yaw.
+    /// The motor vector of a demand, by a rule where the motors cannot give it all.
     #[must_use]
-    pub const fn axes(&self) -> [&MotorShares; 3] {
-        [&self.roll, &self.pitch, &self.yaw]
+    #[inline]
+    pub fn mix(&self, torque: TorqueDemand, thrust: Thrust, rule: &impl Sharing) -> Mixed {
+        fn mixed<const N: usize>((shares, saturated): ([f32; N], bool)) -> Mixed {
+            Mixed {
+                shares: MotorShares::from(shares),
+                saturated,
+            }
+        }
+        match &self.0 {
+            BySize::Four(motors) => mixed(rule.share(motors, torque, thrust)),
+            BySize::Six(motors) => mixed(rule.share(motors, torque, thrust)),
+            BySize::Eight(motors) => mixed(rule.share(motors, torque, thrust)),
+        }
     }
+}
 
-    /// The least command of an armed motor, as a share of full scale.
-    #[must_use]
-    pub const fn least(&self) -> f32 {
-        self.least
+impl<const N: usize> Allocation<N> {
+    fn of(airframe: &Airframe) -> Self {
+        let first = |steps: &[f32; MOST_MOTORS]| *steps.first_chunk().unwrap_or(&[0.0; N]);
+        let [roll, pitch, yaw] = airframe.allocation().each_ref().map(first);
+        Self {
+            roll,
+            pitch,
+            yaw,
+            least: airframe.armed_minimum(),
+        }
     }
 
     /// The range of an armed motor's command, as a share of full scale.
@@ -72,69 +131,36 @@ impl Mixer {
         1.0 - self.least
     }
 
-    /// Allocates a demand.
-    #[must_use]
-    pub fn mix(&self, torque: TorqueDemand, thrust: Thrust) -> Mixed {
-        let (least, span) = (self.least, self.span());
-        let tilt = self.tilt(torque);
-        let (lowest, highest) = range(&tilt);
-        let fit = if highest - lowest > span {
-            span / (highest - lowest)
-        } else {
-            1.0
-        };
-        let wanted = least + thrust.share() * span;
-        let base = wanted.max(least - lowest * fit).min(1.0 - highest * fit);
-        let level = tilt.map(|tilt| base + tilt * fit);
-        let yaw_fit = self.yaw_headroom(&level, torque.0.z);
-        let turned = |share, yaw| armed(share + yaw * torque.0.z * yaw_fit, least);
-        Mixed {
-            shares: level.zip(&self.yaw, turned),
-            saturated: fit < 1.0 || base != wanted || yaw_fit < 1.0,
-        }
-    }
-
     /// What roll and pitch move each motor by.
     #[must_use]
-    pub fn tilt(&self, torque: TorqueDemand) -> MotorShares {
-        let tilt = |roll, pitch| roll * torque.0.x + pitch * torque.0.y;
-        self.roll.zip(&self.pitch, tilt)
+    pub fn tilt(&self, torque: TorqueDemand) -> [f32; N] {
+        let mut tilt = self.roll;
+        for (tilt, pitch) in tilt.iter_mut().zip(&self.pitch) {
+            *tilt = *tilt * torque.0.x + pitch * torque.0.y;
+        }
+        tilt
     }
 
-    /// The share of the yaw demand that no motor is driven past its range by.
-    fn yaw_headroom(&self, shares: &MotorShares, demand: f32) -> f32 {
-        shares.fold(&self.yaw, 1.0f32, |fit, share, yaw| {
-            let step = yaw * demand;
-            let room = if step > 0.0 {
-                1.0 - share
-            } else {
-                share - self.least
-            };
-            if step.abs() > room.max(0.0) {
-                fit.min(room.max(0.0) / step.abs())
-            } else {
-                fit
-            }
+    /// A share from the least of an armed motor to 1; what is no number stays so, for the gate
+    /// to see.
+    fn armed(&self, share: f32) -> f32 {
+        if share < self.least {
+            self.least
+        } else if share > 1.0 {
+            1.0
+        } else {
+            share
+        }
+    }
+}
+
+/// The smallest and the largest share.
+fn range(shares: &[f32]) -> (f32, f32) {
+    shares
+        .iter()
+        .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &share| {
+            (min(share, low), max(share, high))
         })
-    }
-}
-
-/// A share from the least of an armed motor to 1; what is no number stays so, for the gate to see.
-fn armed(share: f32, least: f32) -> f32 {
-    if share < least {
-        least
-    } else if share > 1.0 {
-        1.0
-    } else {
-        share
-    }
-}
-
-fn range(shares: &MotorShares) -> (f32, f32) {
-    let none = (f32::INFINITY, f32::NEG_INFINITY);
-    shares.fold(shares, none, |(low, high), share, _| {
-        (low.min(share), high.max(share))
-    })
 }
 
 #[cfg(test)]

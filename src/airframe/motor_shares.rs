@@ -1,114 +1,112 @@
 //! One number for each motor, however many there are.
 
 use core::fmt;
+use core::num::NonZeroU32;
 use core::ops::{Deref, DerefMut};
 
 use crate::settings::{FEWEST_MOTORS, MOST_MOTORS};
 
 /// One share of full scale per motor, in the order of the outputs; a slice to whoever reads it.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 pub struct MotorShares {
     shares: [f32; MOST_MOTORS],
-    count: u8,
+    /// A whole word and never zero, so that copies and options of it take few instructions.
+    count: NonZeroU32,
 }
 
 impl MotorShares {
-    /// The same share for so many motors, [`MOST_MOTORS`] at most.
+    /// The same share for so many motors, 1 to [`MOST_MOTORS`].
     #[must_use]
     pub const fn all(share: f32, count: usize) -> Self {
-        let count = if count < MOST_MOTORS {
-            count
-        } else {
-            MOST_MOTORS
-        };
-        Self {
-            shares: [share; MOST_MOTORS],
-            count: count as u8,
+        let mut shares = [0.0; MOST_MOTORS];
+        let (mut left, mut given) = (shares.as_mut_slice(), 0);
+        while let [first, rest @ ..] = left
+            && given < count
+        {
+            *first = share;
+            given += 1;
+            left = rest;
         }
-    }
-
-    /// The first so many of some numbers, [`MOST_MOTORS`] at most.
-    #[must_use]
-    pub const fn first(shares: [f32; MOST_MOTORS], count: usize) -> Self {
         Self {
             shares,
-            ..Self::all(0.0, count)
+            count: counted(given),
         }
     }
 
-    /// What becomes of each share.
+    /// Folds the shares beside those of as many other motors.
+    ///
+    /// Every sample does this: the first four, which every airframe has, are straight lines.
+    #[inline]
     #[must_use]
-    #[inline(always)]
-    pub fn map(&self, of: impl Fn(f32) -> f32) -> Self {
-        self.zip(self, |share, _| of(share))
+    pub fn fold_with<T>(&self, other: &Self, start: T, fold: impl Fn(T, f32, f32) -> T) -> T {
+        let (first, rest) = self.shares.split_at(FEWEST_MOTORS);
+        let (others, other_rest) = other.shares.split_at(FEWEST_MOTORS);
+        let both = |so_far, (share, other): (&f32, &f32)| fold(so_far, *share, *other);
+        let so_far = first.iter().zip(others).fold(start, both);
+        if self.count() == FEWEST_MOTORS {
+            return so_far;
+        }
+        // Where there is no motor, both are zero.
+        rest.iter().zip(other_rest).fold(so_far, both)
     }
 
-    /// What becomes of each share beside another's.
-    #[must_use]
-    #[inline(always)]
-    pub fn zip(&self, other: &Self, of: impl Fn(f32, f32) -> f32) -> Self {
-        let mut zipped = *self;
-        let ([first, rest], [others, others_rest]) =
-            (halves_mut(&mut zipped.shares), halves(&other.shares));
-        let put = |(share, other): (&mut f32, &f32)| *share = of(*share, *other);
-        first.iter_mut().zip(others).for_each(put);
-        rest.iter_mut()
-            .zip(others_rest)
-            .take(self.beyond())
-            .for_each(put);
-        zipped
+    const fn count(&self) -> usize {
+        self.count.get() as usize
     }
 
-    /// What all shares come to, one after the other, each beside another's.
+    /// Each share after a change.
     #[must_use]
-    #[inline(always)]
-    pub fn fold<T>(&self, other: &Self, start: T, of: impl Fn(T, f32, f32) -> T) -> T {
-        let ([first, rest], [others, others_rest]) = (halves(&self.shares), halves(&other.shares));
-        let take = |so_far, (share, other): (&f32, &f32)| of(so_far, *share, *other);
-        let so_far = first.iter().zip(others).fold(start, take);
-        let rest = rest.iter().zip(others_rest).take(self.beyond());
-        rest.fold(so_far, take)
-    }
-
-    /// Motors behind the first four, which every airframe has.
-    fn beyond(&self) -> usize {
-        usize::from(self.count).saturating_sub(FEWEST_MOTORS)
+    pub fn map(mut self, change: impl Fn(f32) -> f32) -> Self {
+        self.iter_mut().for_each(|share| *share = change(*share));
+        self
     }
 }
 
-/// Those that every airframe has, so that loops over them are straight lines, and the others.
-#[inline(always)]
-fn halves(shares: &[f32; MOST_MOTORS]) -> [&[f32]; 2] {
-    let (first, rest) = shares.split_at(FEWEST_MOTORS);
-    [first, rest]
+/// The shares of up to [`MOST_MOTORS`] motors.
+impl<const N: usize> From<[f32; N]> for MotorShares {
+    fn from(of_each: [f32; N]) -> Self {
+        const { assert!(0 < N && N <= MOST_MOTORS) }
+        let mut shares = [0.0; MOST_MOTORS];
+        for (share, of_motor) in shares.iter_mut().zip(of_each) {
+            *share = of_motor;
+        }
+        Self {
+            shares,
+            count: counted(N),
+        }
+    }
 }
 
-/// As [`halves`].
-#[inline(always)]
-fn halves_mut(shares: &mut [f32; MOST_MOTORS]) -> [&mut [f32]; 2] {
-    let (first, rest) = shares.split_at_mut(FEWEST_MOTORS);
-    [first, rest]
+/// Motors as a number; there is one at least.
+const fn counted(motors: usize) -> NonZeroU32 {
+    match NonZeroU32::new(motors as u32) {
+        Some(count) => count,
+        None => NonZeroU32::MIN,
+    }
 }
 
 impl Deref for MotorShares {
     type Target = [f32];
 
     fn deref(&self) -> &[f32] {
-        self.shares
-            .get(..usize::from(self.count))
-            .unwrap_or_default()
+        self.shares.get(..self.count()).unwrap_or_default()
     }
 }
 
 impl DerefMut for MotorShares {
     fn deref_mut(&mut self) -> &mut [f32] {
-        let count = usize::from(self.count);
+        let count = self.count();
         self.shares.get_mut(..count).unwrap_or_default()
     }
 }
 
 impl PartialEq for MotorShares {
     fn eq(&self, other: &Self) -> bool {
+        if self.first() != other.first() {
+            return false;
+        }
+        // Commands seldom repeat: a look at one motor settles most.
+        core::hint::cold_path();
         **self == **other
     }
 }

@@ -16,4 +16,4 @@ pub use approach::{Approach, approach};
 pub use course::{Climb, Course, climbing, moved, steered};
 pub use lift::{Lift, boosted, lifted};
 pub use rate::{RateLoop, RateMemory};
-pub use sharing::shared;
+pub use sharing::AroundHover;

@@ -12,7 +12,7 @@
 //! every state, so that what they come to does not depend on how often control runs.
 
 use super::{ControlLogic, standard_inputs, tuned};
-use crate::airframe::{Mixed, Mixer};
+use crate::airframe::{LevelFirst, Mixed, Mixer};
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::{AttitudeLaw, RateInput, RateLaw, RateState, RateStretch, Setpoint, Wanted};
 use crate::dataflow::graph;
@@ -69,7 +69,7 @@ graph! {
         rate_law.demand(&integrals, &RateInput::of(wanted.rates, &rotation))
     };
     /// The motor vector.
-    output command: Mixed = mixer.mix(torque, setpoint.thrust);
+    output command: Mixed = mixer.mix(torque, setpoint.thrust, &LevelFirst);
 }
 
 /// A motion as the rate loop's integrals see it, in which the desired rates moved from one value

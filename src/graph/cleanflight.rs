@@ -22,7 +22,7 @@
 //! place behind it on, until it goes; the sticks of the original are the setpoint.
 
 use super::{ControlLogic, place_inputs, standard_inputs, tuned};
-use crate::airframe::{Mixed, Mixer};
+use crate::airframe::{Evenly, Mixed, Mixer};
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::cleanflight::{
     Aim, Climb, Hold, RateIntegrals, Sight, Stretch, aimed, climbing, demand, held, integrated,
@@ -90,7 +90,7 @@ graph! {
     /// What the rate PID asks for.
     node torque: TorqueDemand = demand(&integrals, &wanted, &rotation, &aim, blind, &gains);
     /// The motor vector.
-    output command: Mixed = mixer.mix_evenly(torque, aim.thrust);
+    output command: Mixed = mixer.mix(torque, aim.thrust, &Evenly);
 }
 
 tuned!(Cleanflight, cleanflight);

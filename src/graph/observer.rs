@@ -12,7 +12,7 @@
 //! what it cannot explain.
 
 use super::{ControlLogic, standard_inputs, tuned};
-use crate::airframe::{Mixed, Mixer};
+use crate::airframe::{LevelFirst, Mixed, Mixer};
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::{
     AttitudeLaw, ObserverLaw, ObserverState, ObserverStretch, RateInput, Setpoint, Wanted,
@@ -71,7 +71,7 @@ graph! {
         observer_law.demand(&observed, &RateInput::of(wanted.rates, &rotation))
     };
     /// The motor vector.
-    output command: Mixed = mixer.mix(torque, setpoint.thrust);
+    output command: Mixed = mixer.mix(torque, setpoint.thrust, &LevelFirst);
 }
 
 tuned!(Observer, observer);

@@ -20,7 +20,7 @@
 //! control, landing, and scaling of gains by thrust.
 
 use super::{ControlLogic, place_inputs, standard_inputs, tuned};
-use crate::airframe::{Mixed, Mixer};
+use crate::airframe::{LevelFirst, Mixed, Mixer};
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::openpilot::{
     AttitudeError, ErrorStretch, Integrals, PathFollower, PathState, Stabilization,
@@ -89,7 +89,7 @@ graph! {
         })
     };
     /// The motor vector.
-    output command: Mixed = mixer.mix(torque, target.thrust);
+    output command: Mixed = mixer.mix(torque, target.thrust, &LevelFirst);
 }
 
 /// A motion as the integrals see it, which was flown with the setpoint before.

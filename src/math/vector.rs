@@ -3,7 +3,7 @@
 use core::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 /// Three components; the type around it says of what, and in which frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub struct Vec3 {
     /// Forward, or north.
@@ -12,6 +12,18 @@ pub struct Vec3 {
     pub y: f32,
     /// Down.
     pub z: f32,
+}
+
+/// Vectors that follow a motion are seldom the same: the first axis settles most.
+impl PartialEq for Vec3 {
+    #[inline]
+    fn eq(&self, other: &Self) -> bool {
+        if self.x != other.x {
+            return false;
+        }
+        core::hint::cold_path();
+        self.y == other.y && self.z == other.z
+    }
 }
 
 impl Vec3 {

@@ -72,7 +72,7 @@ impl Learners {
     /// Takes a sample of an input with three axes; true where its change calls for a run.
     pub(super) fn calls(&mut self, input: Input, sample: Vec3) -> bool {
         let learner = self.of_axes(input);
-        learner.is_some_and(|learner| learner.calls(sample))
+        learner.is_some_and(|learner| learner.calls(&sample))
     }
 
     /// True where the angle turned since the last run calls for a run.
@@ -82,7 +82,7 @@ impl Learners {
 
     /// True where the command that a run would compute calls for it.
     pub(super) fn command_calls(&mut self, command: &MotorShares) -> bool {
-        self.command.calls(*command)
+        self.command.calls(command)
     }
 
     /// What an input is measured against is this sample now.

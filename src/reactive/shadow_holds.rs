@@ -23,7 +23,7 @@ const CANDIDATES: usize = 12;
 const LAG_STEP: f32 = 1.506;
 
 /// A command in force and the sample behind it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Held<S = Vec3> {
     /// The input's sample that the command was computed from.
     pub sample: S,
@@ -182,7 +182,7 @@ impl Lead {
 /// True where some motor's command differs by a quantum or more: a dead-band, not a rounding.
 #[must_use]
 pub fn differs(a: &MotorShares, b: &MotorShares, quantum: f32) -> bool {
-    a.fold(b, false, |differs, a, b| {
+    a.fold_with(b, false, |differs, a, b| {
         differs | ((a - b).abs() >= quantum)
     })
 }

@@ -24,13 +24,12 @@ impl<S: Sample> Watch<S> {
     }
 
     /// Takes a filtered sample; its change, `None` for the first of all.
-    pub fn take(&mut self, sample: S) -> Option<f32> {
-        let x = self
-            .reference
-            .map(|reference| sample.change_since(&reference));
-        self.newest = Some(sample);
+    pub fn take(&mut self, sample: &S) -> Option<f32> {
+        let reference = self.reference.as_ref();
+        let x = reference.map(|reference| sample.change_since(reference));
+        self.newest = Some(*sample);
         if self.mode == Reference::PreviousSample || self.reference.is_none() {
-            self.reference = Some(sample);
+            self.reference = Some(*sample);
         }
         x
     }
@@ -67,7 +66,7 @@ mod tests {
         let mut watch = Watch::new(mode);
         let samples = (0..10).map(|step| along_x(step as f32 * 0.03));
         samples
-            .filter_map(|sample| watch.take(sample))
+            .filter_map(|sample| watch.take(&sample))
             .fold(0.0, f32::max)
     }
 
@@ -79,23 +78,23 @@ mod tests {
 
     #[test]
     fn the_first_sample_has_no_change() {
-        assert_eq!(Watch::new(Reference::LastRun).take(along_x(1.0)), None);
+        assert_eq!(Watch::new(Reference::LastRun).take(&along_x(1.0)), None);
     }
 
     #[test]
     fn after_a_run_the_newest_sample_is_the_reference() {
         let mut watch = Watch::new(Reference::LastRun);
-        watch.take(along_x(0.0));
-        watch.take(along_x(0.5));
+        watch.take(&along_x(0.0));
+        watch.take(&along_x(0.5));
         watch.on_run();
-        assert_eq!(watch.take(along_x(0.75)), Some(0.25));
+        assert_eq!(watch.take(&along_x(0.75)), Some(0.25));
     }
 
     #[test]
     fn an_armed_sample_is_the_reference_whatever_came_before() {
         let mut watch = Watch::new(Reference::LastRun);
-        watch.take(along_x(3.0));
+        watch.take(&along_x(3.0));
         watch.rearm(along_x(0.5));
-        assert_eq!(watch.take(along_x(0.75)), Some(0.25));
+        assert_eq!(watch.take(&along_x(0.75)), Some(0.25));
     }
 }

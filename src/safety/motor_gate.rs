@@ -41,7 +41,7 @@ impl MotorGate {
     pub fn pass(&mut self, arming: Arming, command: &MotorShares) -> MotorOutput {
         if arming != Arming::Armed {
             self.applied = MotorShares::all(0.0, command.len());
-        } else if command.fold(command, true, |all, share, _| all & share.is_finite()) {
+        } else if command.iter().all(|share| share.is_finite()) {
             self.applied = command.map(|share| share.clamp(0.0, 1.0));
         } else {
             self.refused = self.refused.saturating_add(1);

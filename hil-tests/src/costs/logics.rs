@@ -80,15 +80,15 @@ pub struct FlightCost {
 impl LogicCost {
     /// What is dearer than it may be, in one line.
     ///
-    /// Where everything changed, ours may take a tenth more than time-triggered control. It takes
+    /// Where everything changed, ours may take an eighth more than time-triggered control. It takes
     /// less than the other reactive ways in every step. An input that reaches less than a fifth
     /// of the work takes at most three tenths of it.
     #[must_use]
     pub fn over(&self) -> Option<String> {
         let (name, all) = (&self.name, &self.everything);
-        if 10 * all.reactive > 11 * all.time_triggered {
+        if 8 * all.reactive > 9 * all.time_triggered {
             return Some(format!(
-                "{name} takes {} instructions where everything changed, its limit is 1.1 of {}",
+                "{name} takes {} instructions where everything changed, its limit is 9/8 of {}",
                 all.reactive, all.time_triggered
             ));
         }

@@ -26,7 +26,7 @@ fn frame(name: &'static str) -> Frame {
     let geometry = load_chosen(&folder, chosen).expect(name).airframe;
     let mixer = Mixer::new(&geometry.geometry());
     let mix = Box::new(move |torque, thrust| {
-        let Mixed { shares, saturated } = mixer.mix(torque, thrust);
+        let Mixed { shares, saturated } = mixer.mix(torque, thrust, &LevelFirst);
         (shares.to_vec(), saturated)
     });
     Frame {
@@ -151,7 +151,7 @@ fn the_built_mixer_is_that_of_its_file() {
         TorqueDemand(Vec3::new(0.1, -0.05, 0.02)),
         Thrust::new(0.5).expect("in range"),
     );
-    let mixed = Mixer::default().mix(torque, thrust);
+    let mixed = Mixer::default().mix(torque, thrust, &LevelFirst);
     assert_eq!((built.mix)(torque, thrust), (mixed.shares.to_vec(), false));
 }
 

@@ -77,7 +77,7 @@ fn under_way<L: ControlLogic>(logic: L) -> Bench<L> {
 /// How much the shares of the front motors fall short of those behind.
 fn leaning_forward<L>(bench: &Bench<L>) -> f32 {
     let shares = bench.outputs.last().expect("runs").1;
-    let pitch = crate::config::GEOMETRY.allocation().pitch;
+    let [_, pitch, _] = crate::config::GEOMETRY.allocation();
     let arms = shares.iter().zip(pitch);
     arms.map(|(share, pitch)| -share * pitch.signum()).sum()
 }

@@ -152,13 +152,13 @@ pub fn boosted(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::airframe::Mixer;
+    use crate::airframe::{LevelFirst, Mixer};
     use crate::config::arducopter::GAINS;
     use crate::units::TorqueDemand;
     use proptest::prelude::*;
 
     fn with_room() -> Mixed {
-        Mixer::default().mix(TorqueDemand::default(), Thrust::ZERO)
+        Mixer::default().mix(TorqueDemand::default(), Thrust::ZERO, &LevelFirst)
     }
 
     fn start() -> Lift {

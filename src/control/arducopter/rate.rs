@@ -133,7 +133,7 @@ fn ends(angle: f32, swept: f32, dt: f32) -> [f32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::airframe::Mixer;
+    use crate::airframe::{LevelFirst, Mixer};
     use crate::config::arducopter::GAINS;
     use crate::units::Thrust;
     use proptest::prelude::*;
@@ -141,7 +141,7 @@ mod tests {
     const LOOP: RateLoop = RateLoop::new(&GAINS.rate);
 
     fn with_room() -> Mixed {
-        Mixer::default().mix(TorqueDemand::default(), Thrust::ZERO)
+        Mixer::default().mix(TorqueDemand::default(), Thrust::ZERO, &LevelFirst)
     }
 
     fn asking(x: f32, z: f32) -> Asked {

@@ -4,83 +4,86 @@
 //! them, and a headroom at least; thrust may be raised towards hover to keep the attitude, and
 //! where that does not suffice, roll, pitch and yaw shrink together.
 
-use crate::airframe::{Mixed, Mixer, MotorShares};
-use crate::math::{between, limited};
+use crate::airframe::{Allocation, Sharing};
+use crate::math::{between, limited, max, min};
 use crate::settings::gains::arducopter::Thrust as ThrustGains;
 use crate::units::{Thrust, TorqueDemand};
 
-/// The motor vector of a demand, given the thrust of hover (share).
-#[must_use]
-pub fn shared(
-    mixer: &Mixer,
-    torque: TorqueDemand,
-    thrust: Thrust,
-    hover: f32,
-    gains: &ThrustGains,
-) -> Mixed {
-    let [_, _, yaw] = mixer.axes();
-    let (least, span) = (mixer.least(), mixer.span());
-    let turning = mixer.tilt(torque);
-    let wanted = thrust.share() * span;
-    let raised = wanted * (1.0 - gains.attitude_priority) + hover * span * gains.attitude_priority;
-    let most = wanted.max(raised).min(span);
-    let headroom = yaw_headroom(&turning, mixer, torque.0.z, most.min(0.5 * span));
-    let headroom = headroom.max(gains.yaw_headroom * span);
-    let turn = limited(torque.0.z, headroom);
-    let turning = turning.zip(yaw, |tilt, yaw| tilt + yaw * turn);
-    let (base, fit) = fitted(&turning, wanted, most, span);
-    let shares = turning.map(|turning| {
-        let share = least + base + turning * fit;
-        between(share, least, 1.0)
-    });
-    Mixed {
-        shares,
-        saturated: fit < 1.0 || base < wanted || turn != torque.0.z,
+/// Thrust may be raised towards that of hover (share) for the attitude.
+#[derive(Clone, Copy, Debug)]
+pub struct AroundHover<'g> {
+    /// The thrust of hover, a share.
+    pub hover: f32,
+    /// How far it may be raised, and what yaw may have at least.
+    pub gains: &'g ThrustGains,
+}
+
+impl Sharing for AroundHover<'_> {
+    fn share<const N: usize>(
+        &self,
+        motors: &Allocation<N>,
+        torque: TorqueDemand,
+        thrust: Thrust,
+    ) -> ([f32; N], bool) {
+        let (least, span, priority) = (motors.least, motors.span(), self.gains.attitude_priority);
+        let mut turning = motors.tilt(torque);
+        let wanted = thrust.share() * span;
+        let raised = wanted * (1.0 - priority) + self.hover * span * priority;
+        let most = min(max(raised, wanted), span);
+        let headroom = motors.yaw_left(&turning, torque.0.z, min(most, 0.5 * span));
+        let turn = limited(torque.0.z, max(headroom, self.gains.yaw_headroom * span));
+        for (turning, yaw) in turning.iter_mut().zip(&motors.yaw) {
+            *turning += yaw * turn;
+        }
+        let (base, fit) = fitted(&turning, wanted, most, span);
+        let shares = turning.map(|turning| between(least + base + turning * fit, least, 1.0));
+        (shares, fit < 1.0 || base < wanted || turn != torque.0.z)
     }
 }
 
-/// The largest yaw demand that every motor can give beside `base` and `turning`.
-fn yaw_headroom(turning: &MotorShares, mixer: &Mixer, demand: f32, base: f32) -> f32 {
-    let ([_, _, yaw], span) = (mixer.axes(), mixer.span());
-    let mut allowed = 1.0f32;
-    for (turning, yaw) in turning.iter().zip(yaw.iter()) {
-        let used = base + turning;
-        let room = if yaw * demand > 0.0 {
-            span - used
-        } else {
-            used
-        };
-        if *yaw != 0.0 {
-            allowed = allowed.min(room.max(0.0) / yaw.abs());
+impl<const N: usize> Allocation<N> {
+    /// The largest yaw demand that every motor can give beside `base` and `turning`.
+    fn yaw_left(&self, turning: &[f32; N], demand: f32, base: f32) -> f32 {
+        let mut allowed = 1.0;
+        for (turning, yaw) in turning.iter().zip(&self.yaw) {
+            let used = base + turning;
+            let room = if yaw * demand > 0.0 {
+                self.span() - used
+            } else {
+                used
+            };
+            if *yaw != 0.0 {
+                allowed = min(max(room, 0.0) / yaw.abs(), allowed);
+            }
         }
+        allowed
     }
-    allowed
 }
 
 /// The thrust above the armed minimum, and the part of every torque that fits.
-fn fitted(turning: &MotorShares, wanted: f32, most: f32, span: f32) -> (f32, f32) {
-    let (low, high) = turning
-        .iter()
-        .fold((0.0f32, 0.0f32), |(low, high), &turning| {
-            (low.min(turning), high.max(turning))
-        });
-    let mut fit = 1.0f32;
+fn fitted(turning: &[f32], wanted: f32, most: f32, span: f32) -> (f32, f32) {
+    let (mut low, mut high) = (0.0, 0.0);
+    for turning in turning {
+        (low, high) = (min(*turning, low), max(*turning, high));
+    }
+    let mut fit = 1.0;
     if high - low > span {
         fit = span / (high - low);
     }
     if most + low < 0.0 {
-        fit = fit.min(-most / low);
+        fit = min(-most / low, fit);
     }
     let least = -low * fit;
     if fit < 1.0 {
         return (least, fit);
     }
-    (wanted.min(span - high).max(least), fit)
+    (max(min(wanted, span - high), least), fit)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::airframe::{LevelFirst, Mixed, Mixer, MotorShares};
     use crate::config::GEOMETRY;
     use crate::config::arducopter::GAINS;
     use crate::math::Vec3;
@@ -91,13 +94,11 @@ mod tests {
     fn share(torque: [f32; 3], thrust: f32) -> Mixed {
         let [x, y, z] = torque;
         let thrust = Thrust::new(thrust).expect("in range");
-        shared(
-            &Mixer::default(),
-            TorqueDemand(Vec3::new(x, y, z)),
-            thrust,
-            0.35,
-            &GAINS.thrust,
-        )
+        let rule = AroundHover {
+            hover: 0.35,
+            gains: &GAINS.thrust,
+        };
+        Mixer::default().mix(TorqueDemand(Vec3::new(x, y, z)), thrust, &rule)
     }
 
     /// What the motors do to the body, by the same geometry.
@@ -122,6 +123,7 @@ mod tests {
         let plain = Mixer::default().mix(
             TorqueDemand(Vec3::new(0.1, -0.05, 0.02)),
             Thrust::new(0.5).expect("in range"),
+            &LevelFirst,
         );
         for (share, plain) in mixed.shares.iter().zip(plain.shares.iter()) {
             assert!((share - plain).abs() < 1e-6);

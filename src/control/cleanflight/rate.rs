@@ -199,7 +199,11 @@ mod tests {
     fn mixed(saturated: bool) -> Mixed {
         Mixed {
             saturated,
-            ..crate::airframe::Mixer::default().mix_evenly(TorqueDemand::default(), half())
+            ..crate::airframe::Mixer::default().mix(
+                TorqueDemand::default(),
+                half(),
+                &crate::airframe::Evenly,
+            )
         }
     }
 

@@ -78,7 +78,7 @@ impl<S: Sample> Learner<S> {
     }
 
     /// Takes a sample; true where its change calls for a run.
-    pub(super) fn calls(&mut self, sample: S) -> bool {
+    pub(super) fn calls(&mut self, sample: &S) -> bool {
         let x = self.watch.take(sample);
         self.lesson.decision.take(x) && self.lesson.triggers
     }

@@ -5,19 +5,28 @@
 //! nothing is clipped. The original takes each motor's share as symmetric about zero; here its
 //! true extremes are kept, which matters where yaw comes with roll.
 
-use super::{Mixed, Mixer, armed, range};
+use super::{Allocation, Sharing, range};
+use crate::math::{max, min};
 use crate::units::{Thrust, TorqueDemand};
 
-impl Mixer {
-    /// Allocates a demand, cutting all three axes alike where it does not fit.
-    ///
-    /// Saturated where it was cut; a shift of thrust alone is not: all torques are given.
-    #[must_use]
-    pub fn mix_evenly(&self, torque: TorqueDemand, thrust: Thrust) -> Mixed {
-        let (least, span) = (self.least, self.span());
-        let turn = self
-            .tilt(torque)
-            .zip(&self.yaw, |tilt, yaw| tilt + yaw * torque.0.z);
+/// All three axes alike.
+///
+/// Saturated where they were cut; a shift of thrust alone is not: all torques are given.
+#[derive(Clone, Copy, Debug)]
+pub struct Evenly;
+
+impl Sharing for Evenly {
+    fn share<const N: usize>(
+        &self,
+        motors: &Allocation<N>,
+        torque: TorqueDemand,
+        thrust: Thrust,
+    ) -> ([f32; N], bool) {
+        let (least, span) = (motors.least, motors.span());
+        let mut turn = motors.tilt(torque);
+        for (turn, yaw) in turn.iter_mut().zip(&motors.yaw) {
+            *turn += yaw * torque.0.z;
+        }
         let (lowest, highest) = range(&turn);
         let saturated = highest - lowest > span;
         let fit = if saturated {
@@ -25,20 +34,16 @@ impl Mixer {
         } else {
             1.0
         };
-        let base = (least + thrust.share() * span)
-            .max(least - lowest * fit)
-            .min(1.0 - highest * fit);
-        Mixed {
-            shares: turn.map(|turn| armed(base + turn * fit, least)),
-            saturated,
-        }
+        let wanted = least + thrust.share() * span;
+        let base = min(max(least - lowest * fit, wanted), 1.0 - highest * fit);
+        (turn.map(|turn| motors.armed(base + turn * fit)), saturated)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::airframe::MotorShares;
+    use crate::airframe::{Mixer, MotorShares};
     use crate::config::GEOMETRY;
     use crate::math::Vec3;
     use proptest::prelude::*;
@@ -47,16 +52,11 @@ mod tests {
 
     /// The torque that motors give, as the mixer sees them.
     fn given(shares: &MotorShares) -> Vec3 {
-        let mixer = Mixer::default();
-        let along = |factors: MotorShares| {
-            shares
-                .iter()
-                .zip(factors.iter())
-                .map(|(s, f)| s * f)
-                .sum::<f32>()
-                / factors.iter().map(|f| f * f).sum::<f32>()
-        };
-        Vec3::new(along(mixer.roll), along(mixer.pitch), along(mixer.yaw))
+        let [x, y, z] = Mixer::default().axes().map(|factors| {
+            let along: f32 = shares.iter().zip(factors).map(|(s, f)| s * f).sum();
+            along / factors.iter().map(|f| f * f).sum::<f32>()
+        });
+        Vec3::new(x, y, z)
     }
 
     proptest! {
@@ -65,7 +65,7 @@ mod tests {
             x in -32.0f32..32.0, y in -32.0f32..32.0, z in -32.0f32..32.0, t in 0.0f32..=1.0
         ) {
             let thrust = Thrust::new(t).expect("in range");
-            let mixed = Mixer::default().mix_evenly(TorqueDemand(Vec3::new(x, y, z)), thrust);
+            let mixed = Mixer::default().mix(TorqueDemand(Vec3::new(x, y, z)), thrust, &Evenly);
             for &share in mixed.shares.iter() {
                 prop_assert!((LEAST..=1.0).contains(&share));
             }
@@ -77,7 +77,7 @@ mod tests {
         ) {
             let asked = Vec3::new(x, y, z);
             let thrust = Thrust::new(t).expect("in range");
-            let mixed = Mixer::default().mix_evenly(TorqueDemand(asked), thrust);
+            let mixed = Mixer::default().mix(TorqueDemand(asked), thrust, &Evenly);
             let got = given(&mixed.shares);
             let scale = got.dot(asked) / asked.dot(asked).max(1e-9);
             prop_assert!((got - asked * scale).max_norm() < 1e-3);
@@ -90,7 +90,7 @@ mod tests {
             x in -0.1f32..0.1, y in -0.1f32..0.1, z in -0.1f32..0.1, t in 0.35f32..=0.65
         ) {
             let thrust = Thrust::new(t).expect("in range");
-            let mixed = Mixer::default().mix_evenly(TorqueDemand(Vec3::new(x, y, z)), thrust);
+            let mixed = Mixer::default().mix(TorqueDemand(Vec3::new(x, y, z)), thrust, &Evenly);
             let mean = mixed.shares.iter().sum::<f32>() / mixed.shares.len() as f32;
             prop_assert!((mean - LEAST - t * (1.0 - LEAST)).abs() < 1e-4);
         }
