@@ -38,8 +38,8 @@ use super::{ControlLogic, place_inputs, standard_inputs, tuned};
 use crate::airframe::{Mixed, Mixer};
 use crate::config::{CHIP_MAG, GYRO};
 use crate::control::arducopter::{
-    AroundHover, Asked, Climb, Course, Lift, RateLoop, RateMemory, angle_loop, boosted, climbing, lifted, moved,
-    steered,
+    AroundHover, Asked, Climb, Course, Lift, RateLoop, RateMemory, angle_loop, boosted, climbing,
+    lifted, moved, steered,
 };
 use crate::control::{Goal, Setpoint};
 use crate::dataflow::graph;
@@ -104,7 +104,7 @@ graph! {
     /// Thrust that hover needs.
     node hover: f32 = lift.hover();
     /// The motor vector.
-    output command: Mixed = mixer.mix(torque, thrust, &AroundHover { hover, gains: &gains.thrust });
+    output command: Mixed = mixer.mix(torque, thrust, &AroundHover::new(hover, &gains.thrust));
 }
 
 tuned!(ArduCopter, arducopter);

@@ -91,7 +91,7 @@ impl Comparison {
 
     /// The software's decision about a sample, beside the chip's.
     pub fn decide(&mut self, sample: Sample, chip: bool) -> Decision {
-        let x = self.watch.take(sample.axes);
+        let x = self.watch.take(&sample.axes);
         let software = self.software.take(x);
         self.newest_clipped = sample.clipped;
         self.clipped |= sample.clipped;

@@ -12,10 +12,17 @@ use crate::units::{Thrust, TorqueDemand};
 /// Thrust may be raised towards that of hover (share) for the attitude.
 #[derive(Clone, Copy, Debug)]
 pub struct AroundHover<'g> {
-    /// The thrust of hover, a share.
-    pub hover: f32,
-    /// How far it may be raised, and what yaw may have at least.
-    pub gains: &'g ThrustGains,
+    hover: f32,
+    gains: &'g ThrustGains,
+}
+
+impl<'g> AroundHover<'g> {
+    /// Around this thrust of hover (share); the gains say how far thrust may be raised, and what
+    /// yaw may have at least.
+    #[must_use]
+    pub const fn new(hover: f32, gains: &'g ThrustGains) -> Self {
+        Self { hover, gains }
+    }
 }
 
 impl Sharing for AroundHover<'_> {
@@ -94,10 +101,7 @@ mod tests {
     fn share(torque: [f32; 3], thrust: f32) -> Mixed {
         let [x, y, z] = torque;
         let thrust = Thrust::new(thrust).expect("in range");
-        let rule = AroundHover {
-            hover: 0.35,
-            gains: &GAINS.thrust,
-        };
+        let rule = AroundHover::new(0.35, &GAINS.thrust);
         Mixer::default().mix(TorqueDemand(Vec3::new(x, y, z)), thrust, &rule)
     }
 
