@@ -30,75 +30,153 @@ pub enum Metric {
     FlightTime,
 }
 
-/// Which flights are compared with which, under the same seed.
+/// Which flights are compared with which, under the same seed, and where that is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Comparison {
-    /// Its name in figures and JSON.
+    /// Its name in tables and JSON.
     pub name: &'static str,
     /// What is better or worse.
     pub of: Role,
     /// Than what.
     pub against: Role,
+    /// Its line in the headline, where it has one.
+    #[serde(skip)]
+    pub headline: Option<Shown>,
+    /// Its row in the figures of improvements, where it has one.
+    #[serde(skip)]
+    pub figure: Option<Shown>,
 }
 
-/// Every comparison of the main part, in the order of the report.
-pub const COMPARISONS: [Comparison; 11] = [
-    Comparison {
-        name: "reactive against 400 Hz",
-        of: Role::Reactive,
-        against: Role::Periodic(USUAL_HZ),
-    },
-    Comparison {
-        name: "reactive against periodic, equal runs",
-        of: Role::Reactive,
-        against: Role::EqualRuns,
-    },
-    Comparison {
-        name: "reactive against periodic, equal processor time",
-        of: Role::Reactive,
-        against: Role::EqualTime,
-    },
-    Comparison {
-        name: "reactive without foresight against 400 Hz",
-        of: Role::Unforeseen,
-        against: Role::Periodic(USUAL_HZ),
-    },
-    Comparison {
-        name: "at equal margins: reactive against 400 Hz",
-        of: Role::Tuned(Contender::Reactive),
-        against: Role::Tuned(Contender::Usual),
-    },
-    Comparison {
-        name: "at equal margins: reactive against periodic, equal runs",
-        of: Role::Tuned(Contender::Reactive),
-        against: Role::Tuned(Contender::EqualRuns),
-    },
-    Comparison {
-        name: "what it can buy: reactive with faster loops against 400 Hz as configured",
-        of: Role::Tuned(Contender::Reactive),
-        against: Role::Periodic(USUAL_HZ),
-    },
-    Comparison {
-        name: "hovering: reactive against 400 Hz",
-        of: Role::Hovering(Contender::Reactive),
-        against: Role::Hovering(Contender::Usual),
-    },
-    Comparison {
-        name: "hovering: reactive against periodic, equal runs",
-        of: Role::Hovering(Contender::Reactive),
-        against: Role::Hovering(Contender::EqualRuns),
-    },
-    Comparison {
-        name: "hovering, what it can buy: reactive with a disturbance observer against 400 Hz without",
-        of: Role::Observing(Contender::Reactive),
-        against: Role::Hovering(Contender::Usual),
-    },
-    Comparison {
-        name: "hovering: 400 Hz with a disturbance observer against 400 Hz without",
-        of: Role::Observing(Contender::Usual),
-        against: Role::Hovering(Contender::Usual),
-    },
+/// How a part of the report shows a comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shown {
+    /// Its place among the others there, from 1.
+    pub place: u8,
+    /// What is written of the other side.
+    pub against: &'static str,
+}
+
+impl Comparison {
+    const fn new(name: &'static str, of: Role, against: Role) -> Self {
+        Self {
+            name,
+            of,
+            against,
+            headline: None,
+            figure: None,
+        }
+    }
+
+    const fn headline(mut self, place: u8, against: &'static str) -> Self {
+        self.headline = Some(Shown { place, against });
+        self
+    }
+
+    const fn figure(mut self, place: u8, against: &'static str) -> Self {
+        self.figure = Some(Shown { place, against });
+        self
+    }
+}
+
+const USUAL: Role = Role::Periodic(USUAL_HZ);
+const TUNED: [Role; 3] = [
+    Role::Tuned(Contender::Reactive),
+    Role::Tuned(Contender::Usual),
+    Role::Tuned(Contender::EqualRuns),
 ];
+const HOVERING: [Role; 3] = [
+    Role::Hovering(Contender::Reactive),
+    Role::Hovering(Contender::Usual),
+    Role::Hovering(Contender::EqualRuns),
+];
+
+/// Every comparison of the main part, in the order of the tables.
+pub const COMPARISONS: [Comparison; 11] = [
+    Comparison::new("reactive against 400 Hz", Role::Reactive, USUAL)
+        .headline(3, "Against periodic control at 400 Hz")
+        .figure(1, "400 Hz"),
+    Comparison::new(
+        "reactive against periodic, equal runs",
+        Role::Reactive,
+        Role::EqualRuns,
+    )
+    .headline(1, "Against periodic control that runs as often")
+    .figure(2, "equal runs"),
+    Comparison::new(
+        "reactive against periodic, equal processor time",
+        Role::Reactive,
+        Role::EqualTime,
+    )
+    .headline(2, "Against periodic control that takes as much processor time")
+    .figure(3, "equal time"),
+    Comparison::new(
+        "reactive without foresight against 400 Hz",
+        Role::Unforeseen,
+        USUAL,
+    ),
+    Comparison::new("at equal margins: reactive against 400 Hz", TUNED[0], TUNED[1])
+        .headline(
+            5,
+            "With loops as fast as equal margins allow, against periodic control at 400 Hz",
+        )
+        .figure(5, "400 Hz, equal margins"),
+    Comparison::new(
+        "at equal margins: reactive against periodic, equal runs",
+        TUNED[0],
+        TUNED[2],
+    )
+    .headline(
+        4,
+        "With loops as fast as equal margins allow, against periodic control that runs as often",
+    )
+    .figure(4, "equal runs and margins"),
+    Comparison::new(
+        "what it can buy: reactive with faster loops against 400 Hz as configured",
+        TUNED[0],
+        USUAL,
+    )
+    .headline(
+        6,
+        "What spared runs can buy: reactive control with faster loops, against 400 Hz as configured",
+    ),
+    Comparison::new("hovering: reactive against 400 Hz", HOVERING[0], HOVERING[1])
+        .headline(8, "Hovering, against periodic control at 400 Hz")
+        .figure(6, "400 Hz, hovering"),
+    Comparison::new(
+        "hovering: reactive against periodic, equal runs",
+        HOVERING[0],
+        HOVERING[2],
+    )
+    .headline(7, "Hovering, against periodic control that runs as often")
+    .figure(7, "equal runs, hovering"),
+    Comparison::new(
+        "hovering, what it can buy: reactive with a disturbance observer against 400 Hz without",
+        Role::Observing(Contender::Reactive),
+        HOVERING[1],
+    )
+    .headline(
+        9,
+        "What spared runs can buy, hovering: the cascade, reactive, with a disturbance observer, against 400 Hz without",
+    ),
+    Comparison::new(
+        "hovering: 400 Hz with a disturbance observer against 400 Hz without",
+        Role::Observing(Contender::Usual),
+        HOVERING[1],
+    )
+    .headline(10, "The same observer at 400 Hz, against 400 Hz without"),
+];
+
+/// Comparisons that a part of the report shows, in its order, with its words.
+pub fn shown_in(
+    compared: &[Compared],
+    part: fn(&Comparison) -> Option<Shown>,
+) -> Vec<(&Compared, &'static str)> {
+    let with_place = |it| Some((part(&it.comparison)?, it));
+    let mut shown: Vec<(Shown, &Compared)> = compared.iter().filter_map(with_place).collect();
+    shown.sort_by_key(|(shown, _)| shown.place);
+    let words = shown.into_iter().map(|(shown, it)| (it, shown.against));
+    words.collect()
+}
 
 /// How one airframe with one logic compares in one environment.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -222,11 +300,6 @@ impl Comparison {
     #[must_use]
     pub fn over(self, plan: &Plan, records: &Records) -> Compared {
         let by_cell = pairs(plan, records, (self.of, self.against));
-        let mut cells: Vec<Cell> = by_cell
-            .iter()
-            .map(|(cell, pairs)| one(*cell, pairs))
-            .collect();
-        cells.sort_by_key(|cell| plan.place([&cell.environment, &cell.airframe, &cell.logic]));
         let overall = Metric::ALL.into_iter().filter_map(|metric| {
             let seeds = by_cell.values().map(|pairs| {
                 let values = pairs.iter().filter_map(|(of, against)| {
@@ -241,9 +314,18 @@ impl Comparison {
         Compared {
             comparison: self,
             improvement_percent: overall.collect(),
-            cells,
+            cells: cells(plan, records, (self.of, self.against)),
         }
     }
+}
+
+/// How two roles compare in every cell, in the plan's order.
+#[must_use]
+pub fn cells(plan: &Plan, records: &Records, roles: (Role, Role)) -> Vec<Cell> {
+    let by_cell = pairs(plan, records, roles).into_iter();
+    let mut cells: Vec<Cell> = by_cell.map(|(cell, pairs)| one(cell, &pairs)).collect();
+    cells.sort_by_key(|cell| plan.place([&cell.environment, &cell.airframe, &cell.logic]));
+    cells
 }
 
 fn one([environment, airframe, logic]: [&str; 3], pairs: &[Pair<'_>]) -> Cell {

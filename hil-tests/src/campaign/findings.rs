@@ -1,17 +1,17 @@
 //! What a campaign came to: every number that the report and `--json` tell.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::Result;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::comparison::{self, COMPARISONS, Compared, Comparison, Metric, Pair};
+use super::comparison::{self, COMPARISONS, Compared, Metric, Pair};
 use super::interval::Interval;
 use super::journal::{Landed, Records, Ways};
 use super::load::{self, Load, learning_share};
 use super::plan::{Plan, USUAL_HZ};
-use super::role::{Contender, Role};
+use super::role::Role;
 use super::sortie::{Sortie, Tier};
 use super::tuning::{self, Tuning};
 
@@ -154,13 +154,6 @@ impl Findings {
         }
     }
 
-    /// The comparison of two roles.
-    #[must_use]
-    pub fn between(&self, of: Role, against: Role) -> Option<&Compared> {
-        let mut comparisons = self.comparisons.iter();
-        comparisons.find(|it| it.comparison.of == of && it.comparison.against == against)
-    }
-
     /// One JSON object on one line.
     ///
     /// # Errors
@@ -221,12 +214,7 @@ fn against_usual(
     records: &Records,
     (parameter, value, role): (&'static str, f64, Role),
 ) -> impl Iterator<Item = Swept> {
-    let comparison = Comparison {
-        name: "",
-        of: role,
-        against: Role::Periodic(USUAL_HZ),
-    };
-    let cells = comparison.over(plan, records).cells.into_iter();
+    let cells = comparison::cells(plan, records, (role, Role::Periodic(USUAL_HZ))).into_iter();
     cells.map(move |cell| Swept {
         parameter,
         value,
@@ -242,23 +230,12 @@ fn in_order(mut swept: Vec<Swept>) -> Vec<Swept> {
     swept
 }
 
-/// Every cell in every role of the main comparison.
+/// Every cell in every role that is compared.
 fn means(plan: &Plan, records: &Records) -> Vec<Means> {
-    let roles = [
-        Role::Reactive,
-        Role::Unforeseen,
-        Role::Periodic(USUAL_HZ),
-        Role::EqualRuns,
-        Role::EqualTime,
-        Role::Tuned(Contender::Reactive),
-        Role::Tuned(Contender::Usual),
-        Role::Tuned(Contender::EqualRuns),
-        Role::Hovering(Contender::Reactive),
-        Role::Hovering(Contender::Usual),
-        Role::Hovering(Contender::EqualRuns),
-        Role::Observing(Contender::Reactive),
-        Role::Observing(Contender::Usual),
-    ];
+    let roles: BTreeSet<Role> = COMPARISONS
+        .iter()
+        .flat_map(|it| [it.of, it.against])
+        .collect();
     let of_role = |role| {
         let cells = comparison::pairs(plan, records, (role, role));
         let means = cells

@@ -4,43 +4,17 @@ use anyhow::Result;
 
 use super::bars::{self, COLOURS, OTHERS, point};
 use super::{Shown, paper};
-use crate::campaign::comparison::{Compared, Metric};
+use crate::campaign::comparison::{Compared, Metric, shown_in};
 use crate::campaign::findings::{Findings, Means, Swept};
 use crate::campaign::interval::Interval;
 use crate::campaign::journal::Records;
 use crate::campaign::plan::{Plan, USUAL_HZ};
-use crate::campaign::role::{Contender, Role};
+use crate::campaign::role::Role;
 use crate::campaign::sortie::Sortie;
 use crate::plot::{Axis, Curve, Figure, Look, Marker, Panel, Point, Scale};
 
 /// Least panels beside each other; otherwise as many as there are control logics.
 const FEWEST_COLUMNS: usize = 2;
-/// Whom reactive control is compared with, by a few words.
-const AGAINST: [(Role, Role, &str); 7] = [
-    (Role::Reactive, Role::Periodic(USUAL_HZ), "400 Hz"),
-    (Role::Reactive, Role::EqualRuns, "equal runs"),
-    (Role::Reactive, Role::EqualTime, "equal time"),
-    (
-        Role::Tuned(Contender::Reactive),
-        Role::Tuned(Contender::EqualRuns),
-        "equal runs and margins",
-    ),
-    (
-        Role::Tuned(Contender::Reactive),
-        Role::Tuned(Contender::Usual),
-        "400 Hz, equal margins",
-    ),
-    (
-        Role::Hovering(Contender::Reactive),
-        Role::Hovering(Contender::Usual),
-        "400 Hz, hovering",
-    ),
-    (
-        Role::Hovering(Contender::Reactive),
-        Role::Hovering(Contender::EqualRuns),
-        "equal runs, hovering",
-    ),
-];
 
 /// All of them, in the paper's order.
 ///
@@ -121,13 +95,12 @@ fn against_each(
 ) -> Vec<Panel> {
     let mut panels = Vec::new();
     for metric in metrics {
-        for (of, role, words) in AGAINST {
-            let compared = findings.between(of, role);
-            let Some(compared) = compared.filter(|it| !it.cells.is_empty()) else {
+        for (compared, words) in shown_in(&findings.comparisons, |it| it.figure) {
+            if compared.cells.is_empty() {
                 continue;
-            };
+            }
             // Beside the paper's numbers ours may be too small to see: then once more without.
-            if range.is_some() && role == Role::Periodic(USUAL_HZ) {
+            if range.is_some() && compared.comparison.against == Role::Periodic(USUAL_HZ) {
                 panels.extend(improvements(plan, compared, (*metric, words), range));
             }
             panels.extend(improvements(plan, compared, (*metric, words), None));

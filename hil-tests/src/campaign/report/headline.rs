@@ -4,65 +4,10 @@ use maud::{Markup, html};
 
 use super::paper;
 use super::tables::percent;
-use crate::campaign::comparison::{Cell, Compared, Metric};
+use crate::campaign::comparison::{Cell, Compared, Metric, shown_in};
 use crate::campaign::findings::Findings;
 use crate::campaign::interval::Interval;
-use crate::campaign::plan::USUAL_HZ;
-use crate::campaign::role::{Contender, Role};
-
-/// What the first lines compare, with what is written of the other side.
-const AGAINST: [(Role, Role, &str); 10] = [
-    (
-        Role::Reactive,
-        Role::EqualRuns,
-        "Against periodic control that runs as often",
-    ),
-    (
-        Role::Reactive,
-        Role::EqualTime,
-        "Against periodic control that takes as much processor time",
-    ),
-    (
-        Role::Reactive,
-        Role::Periodic(USUAL_HZ),
-        "Against periodic control at 400 Hz",
-    ),
-    (
-        Role::Tuned(Contender::Reactive),
-        Role::Tuned(Contender::EqualRuns),
-        "With loops as fast as equal margins allow, against periodic control that runs as often",
-    ),
-    (
-        Role::Tuned(Contender::Reactive),
-        Role::Tuned(Contender::Usual),
-        "With loops as fast as equal margins allow, against periodic control at 400 Hz",
-    ),
-    (
-        Role::Tuned(Contender::Reactive),
-        Role::Periodic(USUAL_HZ),
-        "What spared runs can buy: reactive control with faster loops, against 400 Hz as configured",
-    ),
-    (
-        Role::Hovering(Contender::Reactive),
-        Role::Hovering(Contender::EqualRuns),
-        "Hovering, against periodic control that runs as often",
-    ),
-    (
-        Role::Hovering(Contender::Reactive),
-        Role::Hovering(Contender::Usual),
-        "Hovering, against periodic control at 400 Hz",
-    ),
-    (
-        Role::Observing(Contender::Reactive),
-        Role::Hovering(Contender::Usual),
-        "What spared runs can buy, hovering: the cascade, reactive, with a disturbance observer, against 400 Hz without",
-    ),
-    (
-        Role::Observing(Contender::Usual),
-        Role::Hovering(Contender::Usual),
-        "The same observer at 400 Hz, against 400 Hz without",
-    ),
-];
+use crate::campaign::role::Role;
 
 /// The first section.
 pub fn section(findings: &Findings) -> Markup {
@@ -82,10 +27,8 @@ pub fn section(findings: &Findings) -> Markup {
         }
         (effort(findings))
         ul {
-            @for (of, against, words) in AGAINST {
-                @if let Some(compared) = findings.between(of, against) {
-                    (answer(compared, words))
-                }
+            @for (compared, words) in shown_in(&findings.comparisons, |it| it.headline) {
+                (answer(compared, words))
             }
         }
         p class="paper" {

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::campaign::comparison::{COMPARISONS, Cell, Compared, Metric};
+use crate::campaign::comparison::{Cell, Compared, Metric};
 use crate::campaign::findings::{Findings, Means};
 use crate::campaign::interval::Interval;
 use crate::campaign::margins;
@@ -25,9 +25,9 @@ pub fn section(plan: &Plan, findings: &Findings) -> Markup {
             "Improvement in %, mean ± half of the 95 % interval over pairs of one seed in which nobody "
             "crashed; crashes of either side beside it."
         }
-        @for (place, compared) in findings.comparisons.iter().enumerate() {
+        @for compared in &findings.comparisons {
             @if !compared.cells.is_empty() {
-                h3 { (COMPARISONS[place].name) }
+                h3 { (compared.comparison.name) }
                 (improvements(compared))
             }
         }
