@@ -22,6 +22,7 @@ pub mod closed_loop;
 pub mod commands;
 pub mod costs;
 pub mod firmware;
+mod ground_station;
 pub mod logics;
 mod native;
 mod output_file;

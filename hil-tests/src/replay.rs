@@ -9,6 +9,7 @@
 //! the calls of the autopilot in the same way.
 
 pub mod emulated;
+mod link_frames;
 pub mod native;
 pub mod options;
 pub(crate) mod refusals;

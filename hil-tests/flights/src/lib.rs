@@ -1,13 +1,13 @@
 //! Recorded flights: read, checked, turned into the body frame and replayed.
 //!
 //! A log becomes a [`Flight`]; a [`FlightStimulus`] lets the emulated sensors
-//! feel it, [`Setpoints`] say what the drone was asked to do, and [`schedule`]
-//! makes MAVLink frames of them.
+//! feel it, [`Setpoints`] say what the drone was asked to do, and [`Sightings`]
+//! where it was.
 //!
 //! ```text
 //! log -- csv_log, ulog --> Recording -- check, rotation, gaps --> Flight
 //!                                      Flight -- FlightStimulus --> chips
-//!                                      Flight -- Setpoints -- schedule --> link
+//!                                      Flight -- Setpoints, Sightings --> link
 //! ```
 
 mod attitude;
@@ -15,7 +15,6 @@ mod csv_log;
 mod error;
 mod flight;
 mod gaps;
-pub mod link_frames;
 mod lowpass;
 mod quaternion;
 mod recording;
@@ -23,6 +22,7 @@ pub mod recordings;
 mod rotation;
 mod sample_flight;
 mod setpoint;
+mod sighting;
 mod stimulus;
 mod track;
 mod ulog;
@@ -30,10 +30,10 @@ mod ulog;
 pub use error::{Fault, FlightError, Place};
 pub use flight::{Flight, RotationReason};
 pub use gaps::Gap;
-pub use link_frames::{LinkFrame, schedule};
 pub use recording::{LogFormat, MAX_MOTORS, Motors, Recorded, Sensor};
 pub use rotation::{Rotate, Rotation, RotationError};
 pub use sample_flight::sample_flight;
 pub use setpoint::{Setpoint, SetpointSource, SetpointSources, Setpoints};
+pub use sighting::{Sighting, Sightings};
 pub use stimulus::{Bench, FlightStimulus};
-pub use track::{Cursor, Track, seconds};
+pub use track::{Track, seconds};

@@ -171,8 +171,10 @@ pub fn shown_in(
     compared: &[Compared],
     part: fn(&Comparison) -> Option<Shown>,
 ) -> Vec<(&Compared, &'static str)> {
-    let with_place = |it| Some((part(&it.comparison)?, it));
-    let mut shown: Vec<(Shown, &Compared)> = compared.iter().filter_map(with_place).collect();
+    let shown = compared
+        .iter()
+        .filter_map(|it| Some((part(&it.comparison)?, it)));
+    let mut shown: Vec<(Shown, &Compared)> = shown.collect();
     shown.sort_by_key(|(shown, _)| shown.place);
     let words = shown.into_iter().map(|(shown, it)| (it, shown.against));
     words.collect()

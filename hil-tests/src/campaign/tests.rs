@@ -64,7 +64,9 @@ impl Crew for Pretended {
 }
 
 fn cells_of(findings: &Findings, of: Role, against: Role) -> &[Cell] {
-    &findings.between(of, against).unwrap().cells
+    let mut compared = findings.comparisons.iter();
+    let is = |it: &&Compared| (it.comparison.of, it.comparison.against) == (of, against);
+    &compared.find(is).unwrap().cells
 }
 
 #[test]
@@ -273,10 +275,7 @@ fn improvements_are_those_of_pairs_and_crashes_are_counted_and_in_no_mean() {
     let plan = Plan::named("smoke", Some(3)).unwrap().native();
     let records = Records::read(out.path(), None).unwrap();
     let findings = Findings::of(&plan, &records);
-    let cell = &findings
-        .between(Role::Reactive, Role::Periodic(400))
-        .unwrap()
-        .cells[0];
+    let cell = &cells_of(&findings, Role::Reactive, Role::Periodic(400))[0];
     assert_eq!((cell.pairs, cell.crashes), (3, [1, 0]));
     let pitch = cell.improvement_percent[&Metric::Pitch];
     assert!((pitch.mean - 20.0).abs() < 1e-9 && pitch.count == 2);

@@ -16,6 +16,7 @@ use super::desired::Desired;
 use super::report::Cpu;
 use super::tier::{Applied, Tier, TimedRan};
 use crate::firmware::Firmware;
+use crate::ground_station::LinkFrame;
 use crate::logics::LogicName;
 use crate::native::nanos;
 use crate::record::motor_timers::{throttle, update_period_ns};
@@ -24,7 +25,6 @@ use crate::scoring::MotorDigest;
 use chip_models::{ChipOptions, SharedChips, StimulusSource};
 use emulated_board::emulated::{EmulatedBoard, Sensors};
 use emulated_board::{Board, Elf, Line, Options};
-use recorded_flights::LinkFrame;
 
 /// The shortest time between two samples of the MPU6050: 1 ms less its clock's tolerance.
 const SHORTEST_PERIOD_NS: u64 = 950_000 / reflex::config::IMU_RATE as u64 * 1_000;

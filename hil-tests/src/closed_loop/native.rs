@@ -10,12 +10,12 @@ use reflex::settings::{MotorProtocol, Settings};
 use super::desired::Desired;
 use super::report::Cpu;
 use super::tier::{Applied, Tier, TimedRan};
+use crate::ground_station::LinkFrame;
 use crate::logics::LogicName;
 use crate::native::{NativeBoard, RUN_NS, nanos};
 use crate::record::motor_timers::{pulse_ns, throttle, update_period_ns};
 use crate::scoring::MotorDigest;
 use chip_models::{ChipOptions, StimulusSource};
-use recorded_flights::LinkFrame;
 
 /// A native board with what the motors' timers would make of its commands.
 pub(super) struct NativeTier {

@@ -9,8 +9,8 @@
 //! | SET_ATTITUDE_TARGET | in its stead, for control logics that do not fly to places |
 
 use mavlink::dialects::common::{
-    AttitudeTargetTypemask, MavFrame, MavMessage, ODOMETRY_DATA, PositionTargetTypemask,
-    SET_ATTITUDE_TARGET_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
+    AttitudeTargetTypemask, MavFrame, MavMessage, PositionTargetTypemask, SET_ATTITUDE_TARGET_DATA,
+    SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand_chacha::ChaCha8Rng;
@@ -20,15 +20,15 @@ use reflex_config::plant::Tracking;
 
 use super::mission::Target;
 use super::outer_loop::{Demand, OuterLoop};
-use recorded_flights::LinkFrame;
-use recorded_flights::link_frames::{DRONE, arm, frame, heartbeat};
+use crate::ground_station::{
+    ARM_LEADS_NS, DRONE, HEARTBEAT_PERIOD_NS, LinkFrame, MILLISECOND_NS, arm, frame, heartbeat,
+    odometry,
+};
+use recorded_flights::Sighting;
 
 /// When the drone takes off: until then it stands still, boots, calibrates and is armed, ns.
 pub(super) const TAKE_OFF_NS: u64 = 1_500_000_000;
 
-const MILLISECOND_NS: u64 = 1_000_000;
-const HEARTBEAT_NS: u64 = 1_000 * MILLISECOND_NS;
-const ARM_LEADS_NS: [u64; 4] = [200, 150, 100, 50];
 const FIRST_PLACE_NS: u64 = TAKE_OFF_NS - 500 * MILLISECOND_NS;
 /// Keeps this noise apart from that of the sensors and of the wind of the same seed.
 const STREAM: u64 = 0x5354_4154;
@@ -72,12 +72,12 @@ impl Station {
         target: &Target,
     ) -> Vec<LinkFrame> {
         let mut messages = Vec::new();
-        if at_ns >= self.heartbeats * HEARTBEAT_NS {
+        if at_ns >= self.heartbeats * HEARTBEAT_PERIOD_NS {
             self.heartbeats += 1;
             messages.push(heartbeat());
         }
         if let Some(lead) = ARM_LEADS_NS.get(self.arms)
-            && at_ns + lead * MILLISECOND_NS >= TAKE_OFF_NS
+            && at_ns + lead >= TAKE_OFF_NS
         {
             messages.push(arm(self.arms as u8));
             self.arms += 1;
@@ -87,7 +87,15 @@ impl Station {
             self.reports += 1;
             let position = self.blurred(position, self.tracking.noise_m);
             let velocity = self.blurred(velocity, self.tracking.noise_m_s);
-            messages.push(odometry(at_ns, &position, &velocity));
+            messages.push(odometry(
+                at_ns,
+                MavFrame::MAV_FRAME_LOCAL_NED,
+                &Sighting {
+                    position: position.into(),
+                    velocity: velocity.into(),
+                    ..Sighting::default()
+                },
+            ));
             if at_ns >= TAKE_OFF_NS {
                 messages.push(self.demand(at_ns, (&position, &velocity), target));
             }
@@ -125,29 +133,6 @@ impl Station {
         self.sequence = self.sequence.wrapping_add(1);
         LinkFrame { at_ns, bytes }
     }
-}
-
-fn odometry(at_ns: u64, position: &Vector3<f64>, velocity: &Vector3<f64>) -> MavMessage {
-    // MAVLink writes NaN first where a covariance or attitude is unknown.
-    let mut unknown = [0.0; 21];
-    unknown[0] = f32::NAN;
-    MavMessage::ODOMETRY(ODOMETRY_DATA {
-        time_usec: at_ns / 1000,
-        x: position.x as f32,
-        y: position.y as f32,
-        z: position.z as f32,
-        q: [f32::NAN; 4],
-        vx: velocity.x as f32,
-        vy: velocity.y as f32,
-        vz: velocity.z as f32,
-        rollspeed: 0.0,
-        pitchspeed: 0.0,
-        yawspeed: 0.0,
-        pose_covariance: unknown,
-        velocity_covariance: unknown,
-        frame_id: MavFrame::MAV_FRAME_LOCAL_NED,
-        child_frame_id: MavFrame::MAV_FRAME_LOCAL_NED,
-    })
 }
 
 fn goal(at_ns: u64, target: &Target) -> MavMessage {

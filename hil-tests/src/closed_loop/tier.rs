@@ -6,7 +6,7 @@ use reflex::reactive::Phase;
 
 use super::desired::Desired;
 use super::report::Cpu;
-use recorded_flights::LinkFrame;
+use crate::ground_station::LinkFrame;
 
 /// A motor command, from the update event of the timers that applies it.
 #[derive(Clone, Debug, PartialEq)]

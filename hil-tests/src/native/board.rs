@@ -28,10 +28,10 @@ use super::timing::{
 };
 use super::vectors::{Outputs, Vectors};
 use super::wires::{BusTime, I2cBus, Spi, Wire};
+use crate::ground_station::LinkFrame;
 use crate::logics::{AnyLogic, LogicName};
 use chip_models::lsm303agr::{Accelerometer, Magnetometer};
 use chip_models::{ChipOptions, Mpu6050, StimulusSource};
-use recorded_flights::LinkFrame;
 
 /// What the crate `mpu6050` writes first: awake, on the gyro's clock.
 const IMU_WAKE: [u8; 2] = [mpu6050::register::PWR_MGMT_1, 0x01];

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use recorded_flights::LinkFrame;
+use crate::ground_station::LinkFrame;
 use reflex::tasks::link::{Overrun, Port};
 
 use super::timing::{BOOT_NS, CHARACTER_NS};

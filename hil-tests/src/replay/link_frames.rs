@@ -8,44 +8,22 @@
 //! | ODOMETRY | 10 Hz in flight, where the log has a valid position |
 
 use mavlink::dialects::common::{
-    AttitudeTargetTypemask, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavFrame,
-    MavMessage, MavModeFlag, MavState, MavType, ODOMETRY_DATA, SET_ATTITUDE_TARGET_DATA,
+    AttitudeTargetTypemask, MavFrame, MavMessage, SET_ATTITUDE_TARGET_DATA,
 };
-use mavlink::{MAVLinkV2MessageRaw, MavHeader};
-use nalgebra::Vector3;
+use recorded_flights::{Bench, Flight, SetpointSource, SetpointSources, Setpoints, Sightings};
 
-use super::flight::Flight;
-use super::quaternion::{about_down, continuous, from_array, to_array};
-use super::setpoint::{SetpointSource, SetpointSources, Setpoints};
-use super::stimulus::Bench;
-use super::track::{Cursor, Track};
+use crate::ground_station::{
+    ARM_LEADS_NS, DRONE, HEARTBEAT_PERIOD_NS, LinkFrame, MILLISECOND_NS, arm, frame, heartbeat,
+    odometry,
+};
 
-/// A frame and the virtual time at which its first byte is sent.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LinkFrame {
-    /// Virtual time, ns.
-    pub at_ns: u64,
-    /// The whole frame.
-    pub bytes: Vec<u8>,
-}
-
-const MILLISECOND_NS: u64 = 1_000_000;
-const HEARTBEAT_PERIOD_NS: u64 = 1000 * MILLISECOND_NS;
 const SETPOINT_PERIOD_NS: u64 = 20 * MILLISECOND_NS;
 const SETPOINT_LEAD_NS: u64 = 300 * MILLISECOND_NS;
-const ARM_LEADS_NS: [u64; 4] = [200, 150, 100, 50];
 const ODOMETRY_PERIOD_NS: u64 = 100 * MILLISECOND_NS;
-/// A position older than this is not sent again.
-const ODOMETRY_STALE_NS: i64 = 250_000_000;
-
-/// The ground station's identity.
-const GROUND_STATION: (u32, u8) = (255, 190);
-/// The drone's identity: system 1, component 1 (the autopilot).
-pub const DRONE: (u8, u8) = (1, 1);
 
 /// All frames of a replay, in order of time, to the end of the flight.
 #[must_use]
-pub fn schedule(flight: &Flight, setpoints: &Setpoints, bench: Bench) -> Vec<LinkFrame> {
+pub(super) fn schedule(flight: &Flight, setpoints: &Setpoints, bench: Bench) -> Vec<LinkFrame> {
     let start = bench.length_ns();
     let end = start + u64::try_from(flight.duration_ns).unwrap_or_default();
     let mut messages: Vec<(u64, MavMessage)> = Vec::new();
@@ -55,15 +33,15 @@ pub fn schedule(flight: &Flight, setpoints: &Setpoints, bench: Bench) -> Vec<Lin
         every(first, end, SETPOINT_PERIOD_NS).map(|at| (at, attitude_target(at, setpoints, bench))),
     );
     messages.extend(ARM_LEADS_NS.iter().zip(0..).map(|(lead, confirmation)| {
-        let at = start.saturating_sub(lead * MILLISECOND_NS);
+        let at = start.saturating_sub(*lead);
         (at, arm(confirmation))
     }));
-    if let Some(position) = &flight.recorded.position {
-        let place = Place::new(flight, setpoints, position);
-        messages.extend(
-            every(start, end, ODOMETRY_PERIOD_NS)
-                .filter_map(|at| Some((at, place.odometry(at, bench)?))),
-        );
+    if let Some(sightings) = Sightings::of(flight, setpoints) {
+        messages.extend(every(start, end, ODOMETRY_PERIOD_NS).filter_map(|at| {
+            let sighting = sightings.at(bench.log_time_ns(at))?;
+            // The frame's x axis is the heading at the start, as for setpoints: not north.
+            Some((at, odometry(at, MavFrame::MAV_FRAME_LOCAL_FRD, &sighting)))
+        }));
     }
     messages.sort_by_key(|&(at, _)| at);
     messages
@@ -81,43 +59,6 @@ fn every(first: u64, end: u64, period: u64) -> impl Iterator<Item = u64> {
     (0..)
         .map(move |step| first + step * period)
         .take_while(move |&at| at <= end)
-}
-
-/// A message as bytes.
-pub fn frame(message: &MavMessage, sequence: u8) -> Vec<u8> {
-    let (system_id, component_id) = GROUND_STATION;
-    let header = MavHeader {
-        system_id,
-        component_id,
-        sequence,
-    };
-    let mut raw = MAVLinkV2MessageRaw::new();
-    raw.serialize_message(header, message);
-    raw.raw_bytes().to_vec()
-}
-
-/// The ground station is there.
-pub fn heartbeat() -> MavMessage {
-    MavMessage::HEARTBEAT(HEARTBEAT_DATA {
-        custom_mode: 0,
-        mavtype: MavType::MAV_TYPE_GCS,
-        autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
-        base_mode: MavModeFlag::empty(),
-        system_status: MavState::MAV_STATE_ACTIVE,
-        mavlink_version: 3,
-    })
-}
-
-/// Arms the motors.
-pub fn arm(confirmation: u8) -> MavMessage {
-    MavMessage::COMMAND_LONG(COMMAND_LONG_DATA {
-        param1: 1.0,
-        command: MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
-        target_system: DRONE.0,
-        target_component: DRONE.1,
-        confirmation,
-        ..COMMAND_LONG_DATA::DEFAULT
-    })
 }
 
 /// Which parts of the setpoint the drone shall ignore.
@@ -152,62 +93,163 @@ fn attitude_target(at_ns: u64, setpoints: &Setpoints, bench: Bench) -> MavMessag
     })
 }
 
-/// Where the drone is, as an external observer would report it.
-///
-/// The frame's x axis is the heading at the start, as for setpoints: not north,
-/// so it is MAVLink's LOCAL_FRD.
-struct Place<'a> {
-    position: &'a Track<6>,
-    attitude: Option<Track<4>>,
-    gyro: &'a Track<3>,
-    cursor: Cursor,
-    heading_at_start: f64,
-}
+#[cfg(test)]
+mod tests {
+    //! Frames are read back with the crate that users would use.
 
-impl<'a> Place<'a> {
-    fn new(flight: &'a Flight, setpoints: &Setpoints, position: &'a Track<6>) -> Self {
-        Self {
-            position,
-            attitude: flight.recorded.attitude.as_ref().map(continuous),
-            gyro: &flight.gyro,
-            cursor: Cursor::default(),
-            heading_at_start: setpoints.heading_at_start(),
+    use mavlink::dialects::common::MavCmd;
+    use mavlink::{MAVLinkV2MessageRaw, MavlinkVersion, Message};
+    use recorded_flights::{Recorded, Rotate, Rotation, Track};
+
+    use super::*;
+
+    /// A flight of gyroscope and accelerometer at 200 Hz, not turned.
+    fn flight(length_s: u64, [gyro, accel]: [[f64; 3]; 2]) -> Flight {
+        let mut text = "t_us,gx,gy,gz,ax,ay,az\n".to_owned();
+        let values: Vec<String> = [gyro, accel].concat().iter().map(f64::to_string).collect();
+        for sample in 0..=length_s * 200 {
+            text += &format!("{},{}\n", sample * 5000, values.join(","));
+        }
+        let rotate = Rotate::Named(Rotation::NONE);
+        Flight::of_bytes("made-up".to_owned(), text.as_bytes(), rotate).expect("a good log")
+    }
+
+    /// Three seconds of a drone that hovers.
+    fn hover() -> Flight {
+        flight(3, [[0.0; 3], [0.0, 0.0, -9.806_65]])
+    }
+
+    const START_NS: u64 = 1_500_000_000;
+
+    fn frames(flight: &Flight) -> Vec<LinkFrame> {
+        schedule(flight, &Setpoints::of(flight), Bench::default())
+    }
+
+    /// A frame's sender, sequence number and message, checksum checked.
+    fn decoded(frame: &LinkFrame) -> (u32, u8, MavMessage) {
+        let mut raw = MAVLinkV2MessageRaw::new();
+        raw.as_mut_slice()[..frame.bytes.len()].copy_from_slice(&frame.bytes);
+        assert!(raw.has_valid_crc::<MavMessage>());
+        let message = MavMessage::parse(MavlinkVersion::V2, raw.message_id(), raw.payload());
+        let message = message.expect("a known message");
+        (raw.system_id(), raw.sequence(), message)
+    }
+
+    fn times(frames: &[LinkFrame], is_wanted: impl Fn(&MavMessage) -> bool) -> Vec<u64> {
+        let wanted = |frame: &&LinkFrame| is_wanted(&decoded(frame).2);
+        frames.iter().filter(wanted).map(|f| f.at_ns).collect()
+    }
+
+    #[test]
+    fn the_drone_is_armed_before_the_flight_starts() {
+        let arming = times(&frames(&hover()), |message| {
+            matches!(message, MavMessage::COMMAND_LONG(c)
+                if c.command == MavCmd::MAV_CMD_COMPONENT_ARM_DISARM && c.param1 == 1.0)
+        });
+        let before: Vec<u64> = arming
+            .iter()
+            .map(|at| (START_NS - at) / 1_000_000)
+            .collect();
+        assert_eq!(before, [200, 150, 100, 50]);
+    }
+
+    #[test]
+    fn setpoints_come_at_fifty_hertz_and_heartbeats_every_second() {
+        let frames = frames(&hover());
+        let setpoints = times(&frames, |m| matches!(m, MavMessage::SET_ATTITUDE_TARGET(_)));
+        assert_eq!(setpoints[0], START_NS - 300_000_000);
+        assert!(
+            setpoints
+                .windows(2)
+                .all(|pair| pair[1] - pair[0] == 20_000_000)
+        );
+        assert_eq!(setpoints.last(), Some(&(START_NS + 3_000_000_000)));
+        let heartbeats = times(&frames, |m| matches!(m, MavMessage::HEARTBEAT(_)));
+        assert_eq!(heartbeats[..3], [0, 1_000_000_000, 2_000_000_000]);
+    }
+
+    #[test]
+    fn frames_are_in_order_and_numbered_without_a_hole() {
+        let frames = frames(&hover());
+        assert!(frames.windows(2).all(|pair| pair[0].at_ns <= pair[1].at_ns));
+        for (frame, number) in frames.iter().zip((0..=u8::MAX).cycle()) {
+            let (system, sequence, _) = decoded(frame);
+            assert_eq!((system, sequence), (255, number));
         }
     }
 
-    /// The report at a virtual time; none while the log's position is invalid.
-    fn odometry(&self, at_ns: u64, bench: Bench) -> Option<MavMessage> {
-        let time = bench.log_time_ns(at_ns);
-        let (measured, [x, y, z, vx, vy, vz]) = self.position.latest(time)?;
-        if time - measured > ODOMETRY_STALE_NS {
-            return None;
+    #[test]
+    fn a_setpoint_says_what_the_flight_did() {
+        let turning = flight(4, [[0.0, 0.0, 0.5], [0.0, 0.0, -9.806_65]]);
+        let frames = frames(&turning);
+        let last = frames
+            .iter()
+            .rev()
+            .find_map(|frame| match decoded(frame).2 {
+                MavMessage::SET_ATTITUDE_TARGET(target) => Some(target),
+                _ => None,
+            });
+        let target = last.expect("a setpoint");
+        assert!(target.type_mask.is_empty());
+        assert_eq!((target.target_system, target.target_component), (1, 1));
+        assert!((target.body_yaw_rate - 0.5).abs() < 1e-6);
+        assert_eq!(target.thrust, 0.5);
+        assert_eq!(target.time_boot_ms, 5500);
+        let norm: f32 = target.q.iter().map(|c| c * c).sum();
+        assert!((norm - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn recorded_roll_and_pitch_rates_are_not_asked_for_twice() {
+        let mut flight = hover();
+        flight.recorded = Recorded {
+            attitude: Some(Track::constant([1.0, 0.0, 0.0, 0.0])),
+            attitude_setpoint: Some(Track::constant([1.0, 0.0, 0.0, 0.0])),
+            rates_setpoint: Some(Track::constant([0.1, 0.2, 0.3])),
+            thrust_setpoint: Some(Track::constant([0.6])),
+            ..Recorded::default()
+        };
+        let masks: Vec<u8> = frames(&flight)
+            .iter()
+            .filter_map(|frame| match decoded(frame).2 {
+                MavMessage::SET_ATTITUDE_TARGET(target) => Some(target.type_mask.bits()),
+                _ => None,
+            })
+            .collect();
+        assert!(
+            !masks.is_empty() && masks.iter().all(|&mask| mask == 0b11),
+            "{masks:?}"
+        );
+    }
+
+    #[test]
+    fn position_is_sent_only_where_the_log_has_a_valid_one() {
+        assert!(times(&frames(&hover()), is_odometry).is_empty());
+        let mut position = Track::new();
+        for step in 0..10 {
+            position.push(step * 100_000_000, [1.0, 2.0, -3.0, 0.1, 0.2, 0.3]);
         }
-        let turn = about_down(-self.heading_at_start);
-        let position = (turn * Vector3::new(x, y, z)).map(|c| c as f32);
-        let velocity = (turn * Vector3::new(vx, vy, vz)).map(|c| c as f32);
-        let attitude = self.attitude.as_ref().and_then(|track| track.at(time));
-        let attitude = attitude.map(|q| to_array(turn * from_array(q)));
-        let rates = self.gyro.at_cursor(time, &self.cursor).unwrap_or_default();
-        let [rollspeed, pitchspeed, yawspeed] = rates.map(|rate| rate as f32);
-        // MAVLink writes NaN first where a covariance or attitude is unknown.
-        let mut unknown = [0.0; 21];
-        unknown[0] = f32::NAN;
-        Some(MavMessage::ODOMETRY(ODOMETRY_DATA {
-            time_usec: at_ns / 1000,
-            x: position.x,
-            y: position.y,
-            z: position.z,
-            q: attitude.map_or([f32::NAN; 4], |q| q.map(|c| c as f32)),
-            vx: velocity.x,
-            vy: velocity.y,
-            vz: velocity.z,
-            rollspeed,
-            pitchspeed,
-            yawspeed,
-            pose_covariance: unknown,
-            velocity_covariance: unknown,
-            frame_id: MavFrame::MAV_FRAME_LOCAL_FRD,
-            child_frame_id: MavFrame::MAV_FRAME_LOCAL_FRD,
-        }))
+        let mut flight = hover();
+        flight.recorded.position = Some(position);
+        let frames = frames(&flight);
+        let sent = times(&frames, is_odometry);
+        assert_eq!(sent.first(), Some(&START_NS));
+        assert!(
+            sent.last().is_some_and(|&at| at < START_NS + 1_200_000_000),
+            "{sent:?}"
+        );
+        let first = frames
+            .iter()
+            .map(|frame| decoded(frame).2)
+            .find(is_odometry);
+        let Some(MavMessage::ODOMETRY(odometry)) = first else {
+            panic!("an odometry frame");
+        };
+        assert_eq!([odometry.x, odometry.y, odometry.z], [1.0, 2.0, -3.0]);
+        assert_eq!([odometry.vx, odometry.vy, odometry.vz], [0.1, 0.2, 0.3]);
+    }
+
+    fn is_odometry(message: &MavMessage) -> bool {
+        matches!(message, MavMessage::ODOMETRY(_))
     }
 }

@@ -13,6 +13,7 @@ use std::sync::Arc;
 use anyhow::{Result, bail};
 use reflex::app::Stamped;
 
+use super::link_frames::schedule;
 use super::options::ReplayOptions;
 use super::refusals;
 use super::report::SampleCount;
@@ -23,7 +24,7 @@ use crate::progress::Progress;
 use crate::refusal::Refusal;
 use crate::scoring::{Report, Score};
 use chip_models::StimulusSource;
-use recorded_flights::{Bench, Flight, FlightStimulus, Setpoints, schedule};
+use recorded_flights::{Bench, Flight, FlightStimulus, Setpoints};
 
 /// Virtual time between two looks at the chips' sample counters.
 const STEP_NS: u64 = 20_000_000;

@@ -4,15 +4,21 @@ use proptest::prelude::*;
 
 use super::samples::full_csv;
 use super::ulog_bytes::{Ulog, level_flight};
-use recorded_flights::{Bench, Flight, Rotate, Setpoints, schedule};
+use recorded_flights::{Flight, Rotate, Setpoints, Sightings};
 
 /// Reads a log and, if it is good, uses all of it.
 fn read_and_use(bytes: &[u8]) {
     match Flight::of_bytes("fuzz".to_owned(), bytes, Rotate::Auto) {
         Ok(flight) => {
             let setpoints = Setpoints::of(&flight);
-            let frames = schedule(&flight, &setpoints, Bench::default());
-            assert!(!frames.is_empty());
+            let sightings = Sightings::of(&flight, &setpoints);
+            for step in 0..=20 {
+                let at_ns = flight.duration_ns / 20 * step;
+                let setpoint = setpoints.at(at_ns);
+                assert!(setpoint.thrust.is_finite());
+                let seen = sightings.as_ref().and_then(|sightings| sightings.at(at_ns));
+                assert!(seen.is_none_or(|seen| seen.position.iter().all(|it| it.is_finite())));
+            }
         }
         Err(fault) => {
             let line = fault.in_file("fuzz".as_ref()).to_string();

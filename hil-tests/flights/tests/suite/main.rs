@@ -2,10 +2,10 @@
 
 mod csv_logs;
 mod fuzz;
-mod link;
 mod recordings;
 mod replay;
 mod samples;
 mod setpoints;
+mod sightings;
 mod ulog_bytes;
 mod ulogs;

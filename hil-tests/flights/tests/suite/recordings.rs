@@ -6,7 +6,6 @@ use chip_models::stimulus::StimulusSource;
 use recorded_flights::recordings::recording;
 use recorded_flights::{
     Bench, Flight, FlightStimulus, Rotate, Rotation, SetpointSource, Setpoints, sample_flight,
-    schedule,
 };
 
 fn read(path: &Path) -> Flight {
@@ -16,10 +15,9 @@ fn read(path: &Path) -> Flight {
 /// Checks of any real flight; prints what a person would want to know of it.
 fn check(flight: &Flight) {
     let setpoints = Setpoints::of(flight);
-    let frames = schedule(flight, &setpoints, Bench::default());
     let mag = flight.mag.as_ref().map(|mag| (mag.len(), mag.rate_hz()));
     eprintln!(
-        "{}: {:.1} s, gyro {:.0} Hz, {} gaps {:?}, {} ({}), mag {mag:?}, motors {:?}, {:?}, {} frames",
+        "{}: {:.1} s, gyro {:.0} Hz, {} gaps {:?}, {} ({}), mag {mag:?}, motors {:?}, {:?}",
         flight.name,
         flight.duration_s(),
         flight.gyro.rate_hz(),
@@ -29,7 +27,6 @@ fn check(flight: &Flight) {
         flight.rotation_reason,
         flight.motors.as_ref().map(|m| m.count),
         setpoints.sources,
-        frames.len(),
     );
     let source = FlightStimulus::new(flight, Bench::default());
     let start = Bench::default().length_ns();

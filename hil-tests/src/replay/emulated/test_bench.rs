@@ -5,15 +5,17 @@ use std::sync::{Arc, Mutex, PoisonError};
 use anyhow::Result;
 
 use crate::firmware::Firmware;
+use crate::ground_station::LinkFrame;
 use crate::progress::Progress;
 use crate::record::Observation;
+use crate::replay::link_frames::schedule;
 use crate::replay::options::ReplayOptions;
 use crate::replay::report::SampleCount;
 use crate::replay::setup::{chip_options, length_ns};
 use chip_models::{SharedChips, StimulusSource};
 use emulated_board::emulated::{EmulatedBoard, Sensors};
 use emulated_board::{Board, Elf, Observer, Options, Outcome, Watched};
-use recorded_flights::{Bench, Flight, FlightStimulus, LinkFrame, Setpoints, schedule};
+use recorded_flights::{Bench, Flight, FlightStimulus, Setpoints};
 
 /// Virtual time between two looks at the chips' sample counters.
 const STEP_NS: u64 = 20_000_000;

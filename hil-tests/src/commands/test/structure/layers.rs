@@ -26,7 +26,13 @@ const LAYERS: [Layers; 2] = [
     Layers {
         root: "hil-tests/src/lib.rs",
         layers: &[
-            &["clock", "output_file", "progress", "refusal"],
+            &[
+                "clock",
+                "ground_station",
+                "output_file",
+                "progress",
+                "refusal",
+            ],
             &["logics", "picture", "plot", "scoring", "toolchain"],
             &["airframes", "firmware"],
             &["native", "record"],
