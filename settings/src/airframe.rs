@@ -1,4 +1,4 @@
-//! An airframe: where the motors are, how they turn, and what each must do for a torque.
+//! An airframe: where its motors are, how they turn, what each can do.
 //!
 //! Each axis has a *pattern*: what a share of full scale on each motor does about it. What of a
 //! pattern lies across all others is the *own* part: moving the motors along it acts on that axis

@@ -1,4 +1,4 @@
-//! Sharing that keeps the drone level: roll and pitch before thrust, thrust before yaw.
+//! Sharing that keeps the drone level: roll and pitch, then thrust, then yaw.
 //!
 //! A drone that is level can be saved, one that keeps its heading cannot.
 

@@ -6,23 +6,11 @@ use std::collections::{BTreeMap, VecDeque};
 
 use super::modules::{Modules, Path};
 
-/// Steps of circles that are not mended: root, module, the module that it uses.
-const KNOWN: [(&str, &str, &str); 1] = [("config/src/lib.rs", "allocation", "airframe")];
-
 /// Uses between the modules of one folder: who, whom, and the first place.
 type Graph = BTreeMap<String, BTreeMap<String, String>>;
 
-/// One line for each circle, with a place for each of its steps, and for each entry of [`KNOWN`]
-/// that is in no circle.
+/// One line for each circle, with a place for each of its steps.
 pub(super) fn faults(modules: &Modules) -> Vec<String> {
-    let known = KNOWN.iter().filter(|(root, ..)| *root == modules.root);
-    faults_but(
-        modules,
-        &known.map(|&(_, from, to)| (from, to)).collect::<Vec<_>>(),
-    )
-}
-
-fn faults_but(modules: &Modules, known: &[(&str, &str)]) -> Vec<String> {
     let mut graphs = BTreeMap::<Path, Graph>::new();
     for used in modules.uses() {
         let pairs = used.from.iter().zip(&used.to);
@@ -32,36 +20,20 @@ fn faults_but(modules: &Modules, known: &[(&str, &str)]) -> Vec<String> {
         of.entry(used.to[common].clone()).or_insert(used.place);
     }
     let mut faults = Vec::new();
-    let mut unused = known.to_vec();
     for (folder, mut graph) in graphs {
         let folder: String = folder.iter().map(|name| format!("{name}::")).collect();
         while let Some(circle) = shortest_circle(&graph) {
-            let is = |(from, to): &(String, String), (of, other): &(&str, &str)| {
-                format!("{folder}{from}") == *of && to == other
-            };
-            let is_known = |step: &&(String, String)| known.iter().any(|it| is(step, it));
-            if let Some(step) = circle.iter().find(is_known) {
-                unused.retain(|it| !is(step, it));
-                remove(&mut graph, step);
-                continue;
-            }
             let place = |(from, to): &(String, String)| {
                 format!("{folder}{from} uses {to} ({})", graph[from][to])
             };
             let places: Vec<String> = circle.iter().map(place).collect();
             faults.push(format!("{}: a circle: {}", modules.root, places.join(", ")));
-            circle.iter().for_each(|step| remove(&mut graph, step));
+            for (from, to) in &circle {
+                graph.get_mut(from).map(|of| of.remove(to));
+            }
         }
     }
-    let in_none = |(from, to)| format!("{}: no circle by {from} using {to}", modules.root);
-    faults.extend(unused.into_iter().map(in_none));
     faults
-}
-
-fn remove(graph: &mut Graph, (from, to): &(String, String)) {
-    if let Some(of) = graph.get_mut(from) {
-        of.remove(to);
-    }
 }
 
 /// The steps of a circle, none where there is none.
@@ -110,26 +82,11 @@ mod tests {
             ("c/deep.rs", "\nfn f() { crate::a::g() }"),
         ]);
         assert_eq!(
-            faults_but(&modules, &[]),
+            faults(&modules),
             [
                 "src/lib.rs: a circle: a uses b (src/a.rs:1), b uses c (src/b.rs:1), \
                  c uses a (src/c/deep.rs:2)"
             ]
-        );
-    }
-
-    #[test]
-    fn a_known_step_is_let_pass_and_one_in_no_circle_is_a_fault() {
-        let modules = made_up(&[
-            ("lib.rs", "mod a; mod b; mod c;"),
-            ("a.rs", "use crate::b::B;"),
-            ("b.rs", "use crate::a::A;"),
-            ("c.rs", ""),
-        ]);
-        assert!(faults_but(&modules, &[("b", "a")]).is_empty());
-        assert_eq!(
-            faults_but(&modules, &[("b", "a"), ("b", "c")]),
-            ["src/lib.rs: no circle by b using c"]
         );
     }
 
@@ -141,6 +98,6 @@ mod tests {
             ("a/c.rs", "use super::A; pub struct C;"),
             ("b.rs", "pub struct B;"),
         ]);
-        assert!(faults_but(&modules, &[]).is_empty());
+        assert!(faults(&modules).is_empty());
     }
 }
