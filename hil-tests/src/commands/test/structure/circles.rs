@@ -2,14 +2,14 @@
 //!
 //! A module and what lies in its folder are one thing: between those no circle is looked for.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::modules::{Modules, Path};
 
 /// Uses between the modules of one folder: who, whom, and the first place.
 type Graph = BTreeMap<String, BTreeMap<String, String>>;
 
-/// One line for each circle, with a place for each of its steps.
+/// One line for each folder with a circle: every use on the way round, with its place.
 pub(super) fn faults(modules: &Modules) -> Vec<String> {
     let mut graphs = BTreeMap::<Path, Graph>::new();
     for used in modules.uses() {
@@ -20,51 +20,34 @@ pub(super) fn faults(modules: &Modules) -> Vec<String> {
         of.entry(used.to[common].clone()).or_insert(used.place);
     }
     let mut faults = Vec::new();
-    for (folder, mut graph) in graphs {
+    for (folder, graph) in graphs {
         let folder: String = folder.iter().map(|name| format!("{name}::")).collect();
-        while let Some(circle) = shortest_circle(&graph) {
-            let place = |(from, to): &(String, String)| {
-                format!("{folder}{from} uses {to} ({})", graph[from][to])
-            };
-            let places: Vec<String> = circle.iter().map(place).collect();
-            faults.push(format!("{}: a circle: {}", modules.root, places.join(", ")));
-            for (from, to) in &circle {
-                graph.get_mut(from).map(|of| of.remove(to));
+        let mut uses = Vec::new();
+        for (from, of) in &graph {
+            for (to, place) in of {
+                if reached(&graph, to).contains(from.as_str()) {
+                    uses.push(format!("{folder}{from} uses {to} ({place})"));
+                }
             }
+        }
+        if !uses.is_empty() {
+            faults.push(format!("{}: a circle: {}", modules.root, uses.join(", ")));
         }
     }
     faults
 }
 
-/// The steps of a circle, none where there is none.
-fn shortest_circle(graph: &Graph) -> Option<Vec<(String, String)>> {
-    let circles = graph.keys().filter_map(|start| way_back(graph, start));
-    circles.min_by_key(Vec::len)
-}
-
-/// The shortest way from a module to itself.
-fn way_back(graph: &Graph, start: &str) -> Option<Vec<(String, String)>> {
-    let mut before = BTreeMap::<&str, &str>::new();
-    let mut waiting = VecDeque::from([start]);
-    while let Some(from) = waiting.pop_front() {
-        for to in graph.get(from).into_iter().flat_map(BTreeMap::keys) {
-            if to == start {
-                let mut steps = vec![(from.to_owned(), to.clone())];
-                let mut at = from;
-                while at != start {
-                    steps.push((before[at].to_owned(), at.to_owned()));
-                    at = before[at];
-                }
-                steps.reverse();
-                return Some(steps);
-            }
-            if !before.contains_key(to.as_str()) {
-                before.insert(to, from);
-                waiting.push_back(to);
-            }
-        }
+/// The modules that one uses, directly or by way of others.
+fn reached<'g>(graph: &'g Graph, from: &'g str) -> BTreeSet<&'g str> {
+    let (mut reached, mut waiting) = (BTreeSet::new(), vec![from]);
+    while let Some(from) = waiting.pop() {
+        let new = graph.get(from).into_iter().flat_map(BTreeMap::keys);
+        waiting.extend(
+            new.filter(|to| reached.insert(to.as_str()))
+                .map(String::as_str),
+        );
     }
-    None
+    reached
 }
 
 #[cfg(test)]

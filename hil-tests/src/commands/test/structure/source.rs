@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use anyhow::{Context, Result};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use quote::ToTokens;
-use syn::{Attribute, File, Item, ItemMod};
+use syn::{File, Item, ItemMod};
 
 /// A source file.
 pub(super) struct Source {
@@ -53,35 +53,13 @@ impl Source {
     }
 }
 
-/// Attributes of an item, where it can have some.
-pub(super) fn attributes(item: &Item) -> &[Attribute] {
-    match item {
-        Item::Const(item) => &item.attrs,
-        Item::Enum(item) => &item.attrs,
-        Item::ExternCrate(item) => &item.attrs,
-        Item::Fn(item) => &item.attrs,
-        Item::ForeignMod(item) => &item.attrs,
-        Item::Impl(item) => &item.attrs,
-        Item::Macro(item) => &item.attrs,
-        Item::Mod(item) => &item.attrs,
-        Item::Static(item) => &item.attrs,
-        Item::Struct(item) => &item.attrs,
-        Item::Trait(item) => &item.attrs,
-        Item::Type(item) => &item.attrs,
-        Item::Union(item) => &item.attrs,
-        Item::Use(item) => &item.attrs,
-        _ => &[],
-    }
-}
-
-/// Whether an item is compiled for tests only.
+/// Whether an item is compiled for tests only: by one of the attributes that it begins with.
 pub(super) fn is_for_tests(item: &Item) -> bool {
-    attributes(item).iter().any(|attribute| {
-        attribute.path().is_ident("cfg")
-            && attribute
-                .parse_args::<syn::Path>()
-                .is_ok_and(|path| path.is_ident("test"))
-    })
+    let tokens: Vec<TokenTree> = item.to_token_stream().into_iter().collect();
+    let attributes = tokens.chunks_exact(2).take_while(|pair| is(pair, '#'));
+    attributes
+        .map(|pair| pair[1].to_string())
+        .any(|attribute| attribute == "[cfg (test)]" || attribute == "[cfg(test)]")
 }
 
 /// Gathers mentions from tokens.
