@@ -25,19 +25,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     });
     let vehicle = vehicles::quad();
     let hover = vehicles::hover(&vehicle);
-    let (mut steps, mut felt) = (0_u64, 0.0);
+    let (mut steps, mut force) = (0_u64, 0.0);
     let mut wind = Wind::new(&environment, 1)?;
     while (steps as f64) < seconds * 1000.0 {
         let mut drone = Drone::in_state(&vehicle, State::at_height(500.0), &environment)?;
         for _ in 0..1000 {
             drone.advance(1e-3, &[hover; 4], wind.advance(1e-3))?;
-            felt += drone.felt().specific_force.z;
+            force += drone.readings().specific_force.z;
             steps += 1;
         }
     }
     println!(
         "{steps} steps of 1 ms, mean specific force {}",
-        felt / steps as f64
+        force / steps as f64
     );
     Ok(())
 }

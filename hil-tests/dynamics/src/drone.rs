@@ -31,9 +31,9 @@ const HIGHEST_SPEED: f64 = 300.0;
 /// Fastest wind accepted, m/s.
 const FASTEST_WIND: f64 = 150.0;
 
-/// A place on the ground.
+/// Where a drone stands at the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Place {
+pub struct Start {
     /// m.
     pub north: f64,
     /// m.
@@ -42,11 +42,11 @@ pub struct Place {
     pub heading: f64,
 }
 
-/// What perfect sensors in the centre of mass feel, body axes.
+/// What perfect sensors in the centre of mass read, body axes.
 ///
 /// Motion, vibration and constant biases.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Felt {
+pub struct Readings {
     /// Angular rates, rad/s.
     pub rates: Vector3<f64>,
     /// Acceleration less gravity, m/s2; -9.80665 along down at rest.
@@ -64,17 +64,17 @@ pub struct Drone {
     magnetic_field: Vector3<f64>,
     state: State,
     loads: Loads,
-    felt: Felt,
+    readings: Readings,
     watch: Watch,
 }
 
 impl Drone {
     /// A drone that stands level and still, its battery full.
-    pub fn new(vehicle: &Vehicle, place: Place, environment: &Environment) -> Result<Self, Unfit> {
+    pub fn new(vehicle: &Vehicle, start: Start, environment: &Environment) -> Result<Self, Unfit> {
         let mut state = State::at_height(vehicle.skids.height - Ground::sag());
-        state.position.x = place.north;
-        state.position.y = place.east;
-        state.attitude = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), place.heading);
+        state.position.x = start.north;
+        state.position.y = start.east;
+        state.attitude = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), start.heading);
         Self::in_state(vehicle, state, environment)
     }
 
@@ -99,7 +99,7 @@ impl Drone {
             magnetic_field: environment.magnetic_field,
             state,
             loads: none,
-            felt: Felt {
+            readings: Readings {
                 rates: Vector3::zeros(),
                 specific_force: Vector3::zeros(),
                 magnetic_field: Vector3::zeros(),
@@ -113,7 +113,7 @@ impl Drone {
         let mut unused: Flat = motion::flatten(&state);
         motion.diff(0.0, &motion::flatten(&state), &mut unused);
         drone.loads = motion.loads.get();
-        drone.felt = drone.feel();
+        drone.readings = drone.measure();
         Ok(drone)
     }
 
@@ -137,13 +137,13 @@ impl Drone {
         for _ in 0..steps as u32 {
             self.step(dt / steps, sought, wind)?;
         }
-        self.felt = self.feel();
+        self.readings = self.measure();
         Ok(())
     }
 
-    /// What sensors feel now.
-    pub fn felt(&self) -> Felt {
-        self.felt
+    /// What the sensors read now.
+    pub fn readings(&self) -> Readings {
+        self.readings
     }
 
     /// All that changes in a flight.
@@ -248,7 +248,7 @@ impl Drone {
         let Some(flat) = integrate(&motion, dt, &motion::flatten(&self.state)) else {
             return Err(self.diverged(Divergence::NotFinite));
         };
-        // The integrator looked at the end of the step last: what acts there is what is felt.
+        // The integrator looked at the end of the step last: what acts there is what sensors read.
         let loads = motion.loads.get();
         let mut next = self.state;
         motion::unflatten(&flat, &mut next);
@@ -270,11 +270,11 @@ impl Drone {
         Ok(())
     }
 
-    fn feel(&self) -> Felt {
+    fn measure(&self) -> Readings {
         let vehicle = &self.frame.vehicle;
         let (force, rates) = self.vibration();
         let to_body = self.state.attitude.inverse();
-        Felt {
+        Readings {
             rates: self.state.rates + rates + vehicle.biases.rates,
             specific_force: self.loads.force / vehicle.mass + force + vehicle.biases.specific_force,
             magnetic_field: to_body * self.magnetic_field,

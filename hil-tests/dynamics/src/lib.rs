@@ -1,7 +1,7 @@
 //! Flight dynamics of a multirotor: rigid body, rotors, battery, ground, wind.
 //!
 //! The plant of closed-loop flights. It knows nothing of the firmware: shares of full throttle
-//! go in, what perfect sensors would feel comes out. Noise, bandwidth and registers of the real
+//! go in, what perfect sensors would read comes out. Noise, bandwidth and registers of the real
 //! chips are modelled elsewhere.
 //!
 //! **Frames**: earth is north, east, down with the ground at zero; body is forward, right, down
@@ -13,10 +13,10 @@
 //!
 //! ```
 //! # use std::error::Error;
-//! # use flight_dynamics::{Drone, Environment, Place, Vehicle, Wind};
+//! # use flight_dynamics::{Drone, Environment, Start, Vehicle, Wind};
 //! fn hop(vehicle: &Vehicle, environment: &Environment) -> Result<f64, Box<dyn Error>> {
 //!     let mut wind = Wind::new(environment, 7)?;
-//!     let mut drone = Drone::new(vehicle, Place::default(), environment)?;
+//!     let mut drone = Drone::new(vehicle, Start::default(), environment)?;
 //!     for _ in 0..1000 {
 //!         let air = wind.advance(0.001);
 //!         drone.advance(0.001, &[0.7; 4], air)?;
@@ -42,7 +42,7 @@ mod vehicle;
 mod wind;
 
 pub use battery::Battery;
-pub use drone::{Drone, Felt, Place};
+pub use drone::{Drone, Readings, Start};
 pub use environment::{Environment, Gusts, Shelter, WindClimate};
 pub use faults::{Crash, Diverged, Divergence};
 pub use range::Unfit;

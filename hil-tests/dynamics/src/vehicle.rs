@@ -28,7 +28,7 @@ pub struct Vehicle {
     pub esc: Esc,
     /// What feeds the motors.
     pub battery: Battery,
-    /// What sensors feel of the rotors' imbalance.
+    /// What sensors read of the rotors' imbalance.
     pub vibration: Vibration,
     /// What the drone stands on.
     pub skids: Skids,
@@ -167,7 +167,7 @@ impl Esc {
     }
 }
 
-/// What sensors feel of each rotor, in proportion to its thrust.
+/// What sensors read of each rotor, in proportion to its thrust.
 ///
 /// Imbalance turns with the rotor in its plane; the blades' passage, at twice the speed for two
 /// blades, shakes along the axis.

@@ -8,7 +8,7 @@
 
 use csv::{ReaderBuilder, StringRecord};
 
-use super::error::{Fault, Place, quoted};
+use super::error::{Fault, Location, quoted};
 use super::recording::{LogFormat, MAX_MOTORS, Motors, Recorded, Recording, Sensor};
 use super::track::Track;
 
@@ -40,7 +40,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Recording, Fault> {
     }
     if bytes.last() != Some(&b'\n') {
         let reason = "has no line end: the file looks cut off";
-        return Err(Fault::new(Place::Line(line_of(&row)), reason));
+        return Err(Fault::new(Location::Line(line_of(&row)), reason));
     }
     Ok(samples.into_recording(&columns))
 }
@@ -53,7 +53,7 @@ fn next_row(reader: &mut csv::Reader<&[u8]>, row: &mut StringRecord) -> Result<b
             csv::ErrorKind::Utf8 { .. } => "is not text (UTF-8)".to_owned(),
             _ => error.to_string(),
         };
-        Fault::new(Place::Line(line), reason)
+        Fault::new(Location::Line(line), reason)
     })
 }
 
@@ -116,7 +116,7 @@ impl Columns {
 
 /// A fault of the header line.
 fn fault_in_header(reason: impl Into<String>) -> Fault {
-    Fault::new(Place::Line(1), reason)
+    Fault::new(Location::Line(1), reason)
 }
 
 /// Refuses names that are unknown or given twice.
@@ -154,7 +154,7 @@ struct Row<'a> {
 impl Row<'_> {
     /// A fault of one cell.
     fn fault(&self, column: usize, reason: impl Into<String>) -> Fault {
-        let place = Place::Cell {
+        let place = Location::Cell {
             line: self.line,
             column: self.columns.names.get(column).cloned().unwrap_or_default(),
         };
@@ -168,7 +168,7 @@ impl Row<'_> {
             return Ok(());
         }
         let reason = format!("has {have} columns, the header has {want}");
-        Err(Fault::new(Place::Line(self.line), reason))
+        Err(Fault::new(Location::Line(self.line), reason))
     }
 
     /// A cell without the blanks around it; the reader's own trimming copies every row twice.

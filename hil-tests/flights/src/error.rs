@@ -1,11 +1,11 @@
-//! Why a recorded flight was refused: one line naming the file and the place.
+//! Why a recorded flight was refused: one line naming the file and where in it.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// Where in a log the trouble is.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum Location {
     /// The file as a whole.
     File,
     /// A line of a text log, counted from 1.
@@ -21,7 +21,7 @@ pub enum Place {
     Byte(u64),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File => Ok(()),
@@ -36,23 +36,23 @@ impl fmt::Display for Place {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// Where.
-    pub place: Place,
+    pub location: Location,
     /// What, and the way out where there is one.
     pub reason: String,
 }
 
 impl Fault {
     /// A fault at a place.
-    pub fn new(place: Place, reason: impl Into<String>) -> Self {
+    pub fn new(location: Location, reason: impl Into<String>) -> Self {
         Self {
-            place,
+            location,
             reason: reason.into(),
         }
     }
 
     /// A fault of the log as a whole.
     pub fn whole(reason: impl Into<String>) -> Self {
-        Self::new(Place::File, reason)
+        Self::new(Location::File, reason)
     }
 
     /// The same fault, in a named file.
@@ -81,15 +81,15 @@ impl FlightError {
 
     /// Where in the log the trouble is.
     #[must_use]
-    pub fn place(&self) -> &Place {
-        &self.fault.place
+    pub fn location(&self) -> &Location {
+        &self.fault.location
     }
 }
 
 impl fmt::Display for FlightError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Fault { place, reason } = &self.fault;
-        let text = format!("{}: {place}{reason}", self.file.display());
+        let Fault { location, reason } = &self.fault;
+        let text = format!("{}: {location}{reason}", self.file.display());
         // Names and cells come from outside: nothing in them may break the line.
         for character in text.chars() {
             if character.is_control() {
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn an_error_is_one_line_even_when_the_file_name_is_two() {
-        let error = Fault::new(Place::Line(3), "no\r\ngood").in_file(Path::new("a\nb.csv"));
+        let error = Fault::new(Location::Line(3), "no\r\ngood").in_file(Path::new("a\nb.csv"));
         assert_eq!(error.to_string(), r"a\nb.csv: line 3: no\r\ngood");
     }
 

@@ -27,7 +27,7 @@ mod stimulus;
 mod track;
 mod ulog;
 
-pub use error::{Fault, FlightError, Place};
+pub use error::{Fault, FlightError, Location};
 pub use flight::{Flight, RotationReason};
 pub use gaps::Gap;
 pub use recording::{LogFormat, MAX_MOTORS, Motors, Recorded, Sensor};
@@ -35,5 +35,5 @@ pub use rotation::{Rotate, Rotation, RotationError};
 pub use sample_flight::sample_flight;
 pub use setpoint::{Setpoint, SetpointSource, SetpointSources, Setpoints};
 pub use sighting::{Sighting, Sightings};
-pub use stimulus::{Bench, FlightStimulus};
+pub use stimulus::{FlightStimulus, Standstill};
 pub use track::{Track, seconds};

@@ -1,8 +1,8 @@
-//! What the emulated sensors feel: a still start on the bench, then the flight.
+//! What the emulated sensors feel: a standstill, then the flight.
 //!
-//! Virtual time is bench time plus log time. On the bench the drone rests, in
+//! Virtual time is the standstill plus log time. Before the flight the drone rests, in
 //! the attitude in which the flight starts, so that the firmware can boot,
-//! calibrate its gyroscope and be armed. The last 50 ms of the bench lead
+//! calibrate its gyroscope and be armed. The last 50 ms of that lead
 //! linearly to the first samples of the flight: flights that start in the air
 //! then begin with a brisk move instead of an impossible step. After the last
 //! sample everything is held.
@@ -13,22 +13,22 @@ use chip_models::stimulus::{Stimulus, StimulusSource};
 
 /// The time at rest before the flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bench {
+pub struct Standstill {
     length_ns: u64,
 }
 
-/// Span of the bench that leads to the flight, ns.
+/// Span of the standstill that leads to the flight, ns.
 const LEAD_IN_NS: i64 = 50_000_000;
 /// The field where the log has no magnetometer, gauss: northward and down.
 const NO_FIELD: [f64; 3] = [0.2, 0.0, 0.4];
 /// No log's temperature is used: the chips' own errors do not depend on it.
 const TEMPERATURE_C: f64 = 25.0;
 
-impl Bench {
+impl Standstill {
     /// The least that leaves the firmware time to boot and calibrate, ns.
     pub const SHORTEST_NS: u64 = 500_000_000;
 
-    /// A bench phase; shorter ones than [`Bench::SHORTEST_NS`] are lengthened.
+    /// A time at rest; shorter ones than [`Standstill::SHORTEST_NS`] are lengthened.
     #[must_use]
     pub fn new(length_ns: u64) -> Self {
         Self {
@@ -42,7 +42,7 @@ impl Bench {
         self.length_ns
     }
 
-    /// The log time (ns) of a virtual time; negative on the bench.
+    /// The log time (ns) of a virtual time; negative before the flight.
     #[must_use]
     pub fn log_time_ns(self, virtual_ns: u64) -> i64 {
         let difference = i128::from(virtual_ns) - i128::from(self.length_ns);
@@ -50,31 +50,31 @@ impl Bench {
     }
 }
 
-impl Default for Bench {
+impl Default for Standstill {
     /// One and a half seconds.
     fn default() -> Self {
         Self::new(1_500_000_000)
     }
 }
 
-/// A flight as the sensors feel it, in the body frame.
+/// A flight as the sensors sense it, in the body frame.
 #[derive(Debug)]
 pub struct FlightStimulus {
-    bench: Bench,
+    standstill: Standstill,
     gyro: Signal,
     accel: Signal,
     mag: Signal,
 }
 
 impl FlightStimulus {
-    /// The stimulus of a flight after a time on the bench.
+    /// The stimulus of a flight after a standstill.
     #[must_use]
-    pub fn new(flight: &Flight, bench: Bench) -> Self {
+    pub fn new(flight: &Flight, standstill: Standstill) -> Self {
         let mag = flight.mag.as_ref();
         let field = mag.map_or_else(|| Track::constant(NO_FIELD), Track::clone);
         let at_start = field.at(0).unwrap_or(NO_FIELD);
         Self {
-            bench,
+            standstill,
             gyro: Signal::new(&flight.gyro, [0.0; 3]),
             accel: Signal::new(&flight.accel, flight.specific_force_at_rest()),
             mag: Signal::new(&field, at_start),
@@ -84,7 +84,7 @@ impl FlightStimulus {
 
 impl StimulusSource for FlightStimulus {
     fn at(&self, at_ns: u64) -> Stimulus {
-        let time = self.bench.log_time_ns(at_ns);
+        let time = self.standstill.log_time_ns(at_ns);
         Stimulus {
             gyro: self.gyro.at(time),
             specific_force: self.accel.at(time),
@@ -94,11 +94,11 @@ impl StimulusSource for FlightStimulus {
     }
 
     fn gyro(&self, at_ns: u64) -> [f64; 3] {
-        self.gyro.at(self.bench.log_time_ns(at_ns))
+        self.gyro.at(self.standstill.log_time_ns(at_ns))
     }
 
     fn specific_force(&self, at_ns: u64) -> [f64; 3] {
-        self.accel.at(self.bench.log_time_ns(at_ns))
+        self.accel.at(self.standstill.log_time_ns(at_ns))
     }
 
     fn temperature_c(&self, _: u64) -> f64 {

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::role::Role;
 use crate::closed_loop::{FlyOptions, Mission, Stress};
 use crate::logics::LogicName;
+pub use crate::scoring::Tier;
 
 /// The scored part begins here, s from take-off, whoever flies.
 pub const SCORED_FROM_S: u32 = 15;
@@ -24,16 +25,6 @@ const OBSERVER: &str = "observer";
 ///
 /// Below 11 Hz the failsafe would run control in its place.
 pub const PERIODS_US: [u64; 2] = [1_000, 90_909];
-
-/// What flies: the firmware on the emulated board, or the same code natively.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Tier {
-    /// The firmware, which is checked bit by bit against the host.
-    Emulated,
-    /// The library, without a processor.
-    Native,
-}
 
 /// A flight of a plan: what comes of it follows from this and [`Job::period_us`].
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

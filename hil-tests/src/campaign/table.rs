@@ -40,10 +40,11 @@ pub fn parquet(records: &Records) -> Result<Vec<u8>> {
         .with_fields(fields)
         .build()?;
     let stamp = records.stamp.clone();
-    let made = stamp.map_or(String::new(), |stamp| {
+    let origin = stamp.map_or(String::new(), |stamp| {
         format!("{} {}", stamp.plan, stamp.sources)
     });
-    let properties = WriterProperties::builder().set_created_by(format!("reflex campaign {made}"));
+    let properties =
+        WriterProperties::builder().set_created_by(format!("reflex campaign {origin}"));
     let mut bytes = Vec::new();
     let properties = Arc::new(properties.build());
     let mut file = SerializedFileWriter::new(&mut bytes, Arc::new(schema), properties)?;

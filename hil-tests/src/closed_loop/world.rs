@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use anyhow::{Result, anyhow};
-use flight_dynamics::{self as dynamics, Drone, Place, State};
+use flight_dynamics::{self as dynamics, Drone, Start, State};
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -52,7 +52,7 @@ impl World {
     ) -> Result<Self> {
         let vehicle = vehicle_of(vehicle, airframe);
         let weather = weather_of(environment, seed);
-        let drone = Drone::new(&vehicle, Place::default(), &weather)?;
+        let drone = Drone::new(&vehicle, Start::default(), &weather)?;
         let sensed = Arc::new(SensedMotion::new(0, stimulus(&drone)));
         Ok(Self {
             wind: dynamics::Wind::new(&weather, seed)?,
@@ -108,7 +108,7 @@ impl World {
 }
 
 fn stimulus(drone: &Drone) -> Stimulus {
-    let sensed = drone.felt();
+    let sensed = drone.readings();
     Stimulus {
         gyro: sensed.rates.into(),
         specific_force: sensed.specific_force.into(),

@@ -9,7 +9,7 @@ use super::{CORE_HZ, SWAP_LIMIT};
 use crate::firmware::Firmware;
 use crate::progress::Progress;
 use crate::replay::options::ReplayOptions;
-use crate::replay::{emulated::TestBench, open_flight};
+use crate::replay::{emulated::Session, open_flight};
 use emulated_board::{Elf, Hit, MotorWrite, Observer, Watched};
 
 /// Seconds of the default flight: warm-up, reactive control, dozens of refits.
@@ -38,9 +38,9 @@ const END_OF_WAY: usize = 3;
 /// Handlers that are told of.
 const TOLD: usize = 4;
 
-/// What is at a watched place.
+/// What happens at a watched address.
 #[derive(Clone, Copy, Debug)]
-enum Place {
+enum Event {
     Entry(usize),
     Return(usize),
     Raise,
@@ -57,7 +57,7 @@ pub(super) struct Flown {
 
 /// Everything seen while the firmware flies.
 struct Watcher {
-    places: Vec<Place>,
+    events: Vec<Event>,
     activations: Activations,
     locks: Locks,
     own: [Vec<u64>; HANDLERS.len()],
@@ -82,9 +82,9 @@ pub(super) fn measure(firmware: &Firmware, progress: &mut dyn Progress) -> Resul
         ..ReplayOptions::default()
     };
     let (flight, path) = open_flight(&options)?;
-    let (watches, places) = watched(&Elf::parse(firmware.bytes.clone())?)?;
+    let (watches, events) = watched(&Elf::parse(firmware.bytes.clone())?)?;
     let mut watcher = Watcher {
-        places,
+        events,
         activations: Activations::default(),
         locks: Locks::default(),
         own: Default::default(),
@@ -92,10 +92,10 @@ pub(super) fn measure(firmware: &Firmware, progress: &mut dyn Progress) -> Resul
         ways: Vec::new(),
         writes_ns: Vec::new(),
     };
-    let mut bench = TestBench::new(&flight, &options, firmware, watches)?;
+    let mut session = Session::new(&flight, &options, firmware, watches)?;
     progress.stage(&format!("Counting a flight of {}", path.display()));
-    bench.run(&mut watcher, progress)?;
-    let outcome = bench.end()?;
+    session.run(&mut watcher, progress)?;
+    let outcome = session.end()?;
     // Two priorities above idle's are all that may be open where the flight was cut off.
     ensure!(
         watcher.activations.depth() <= 2,
@@ -116,23 +116,23 @@ pub(super) fn measure(firmware: &Firmware, progress: &mut dyn Progress) -> Resul
     })
 }
 
-/// The places to watch, with what is there.
-fn watched(elf: &Elf) -> Result<(Vec<Watched>, Vec<Place>)> {
-    let mut all: Vec<(u32, Place)> = Vec::new();
+/// The addresses to watch, with what happens there.
+fn watched(elf: &Elf) -> Result<(Vec<Watched>, Vec<Event>)> {
+    let mut all: Vec<(u32, Event)> = Vec::new();
     for (number, (handler, _)) in HANDLERS.iter().enumerate() {
         let entry = elf.code(handler)?;
         let returns = returns(elf, entry)?;
         ensure!(!returns.is_empty(), "{handler} never returns");
-        all.push((entry, Place::Entry(number)));
-        all.extend(returns.into_iter().map(|at| (at, Place::Return(number))));
+        all.push((entry, Event::Entry(number)));
+        all.extend(returns.into_iter().map(|at| (at, Event::Return(number))));
     }
     let locks = LockPlaces::of(elf, elf.function(&["reflex", "app", "idle"])?)?;
-    all.extend(locks.raise.into_iter().map(|at| (at, Place::Raise)));
-    all.extend(locks.lower.into_iter().map(|at| (at, Place::Lower)));
-    all.push((elf.function(&["on_refit"])?, Place::Swap));
+    all.extend(locks.raise.into_iter().map(|at| (at, Event::Raise)));
+    all.extend(locks.lower.into_iter().map(|at| (at, Event::Lower)));
+    all.push((elf.function(&["on_refit"])?, Event::Swap));
     Ok(all
         .into_iter()
-        .map(|(at, place)| (Watched::Address(at), place))
+        .map(|(at, event)| (Watched::Address(at), event))
         .unzip())
 }
 
@@ -147,17 +147,17 @@ impl Observer for Watcher {
             instructions: hit.instructions,
         };
         let handled = self.activations.handled();
-        match self.places[hit.watch] {
-            Place::Entry(handler) => self.activations.enter(handler, at),
-            Place::Return(handler) => {
+        match self.events[hit.watch] {
+            Event::Entry(handler) => self.activations.enter(handler, at),
+            Event::Return(handler) => {
                 if let Some(activation) = self.activations.leave(handler, at) {
                     self.take(&activation);
                 }
             }
-            Place::Raise if self.activations.is_idle() => self.locks.raise(at, handled),
-            Place::Lower if self.activations.is_idle() => self.locks.lower(at, handled),
-            Place::Swap => self.locks.swap(),
-            Place::Raise | Place::Lower => {}
+            Event::Raise if self.activations.is_idle() => self.locks.raise(at, handled),
+            Event::Lower if self.activations.is_idle() => self.locks.lower(at, handled),
+            Event::Swap => self.locks.swap(),
+            Event::Raise | Event::Lower => {}
         }
     }
 }

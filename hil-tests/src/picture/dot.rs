@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use reflex::dataflow::Description;
 
-use super::scene::{Arrow, LEGEND, Line, Role, Shape, arrows, shapes};
+use super::scene::{Arrow, LEGEND, Role, Shape, Stroke, arrows, shapes};
 
 /// The graph in DOT, inputs on top.
 #[must_use]
@@ -57,10 +57,10 @@ fn box_of(shape: &Shape) -> String {
 
 /// What was before this run does not pull its reader below it.
 fn line_of(arrow: &Arrow) -> String {
-    let style = match arrow.line {
-        Line::Solid => "",
-        Line::Dashed => " [style=dashed, constraint=false]",
-        Line::Dotted => " [style=dotted, arrowhead=empty]",
+    let style = match arrow.stroke {
+        Stroke::Solid => "",
+        Stroke::Dashed => " [style=dashed, constraint=false]",
+        Stroke::Dotted => " [style=dotted, arrowhead=empty]",
     };
     format!("{} -> {}{style}", quoted(arrow.from), quoted(arrow.to))
 }

@@ -17,7 +17,7 @@ pub(super) enum Role {
 
 /// How an arrow is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Line {
+pub(super) enum Stroke {
     /// A value of this run.
     Solid,
     /// A value from before this run.
@@ -41,7 +41,7 @@ pub(super) struct Shape {
 pub(super) struct Arrow {
     pub(super) from: &'static str,
     pub(super) to: &'static str,
-    pub(super) line: Line,
+    pub(super) stroke: Stroke,
 }
 
 /// The boxes, in the order of the description.
@@ -55,11 +55,11 @@ fn shape(value: &Described) -> Shape {
     let (role, label) = match value.source {
         Source::Input { gates, triggers } => {
             let roles = [("gates", gates), ("triggers", triggers)];
-            let mut words: Vec<&str> = roles.iter().filter(|role| role.1).map(|r| r.0).collect();
-            if words.is_empty() {
-                words.push("joins");
+            let mut does: Vec<&str> = roles.iter().filter(|role| role.1).map(|r| r.0).collect();
+            if does.is_empty() {
+                does.push("joins");
             }
-            let clauses = format!("{rate}, {}", words.join(", "));
+            let clauses = format!("{rate}, {}", does.join(", "));
             (Role::Input, vec![of_type, clauses])
         }
         Source::Computed {
@@ -100,18 +100,22 @@ pub(super) fn arrows(graph: &Description) -> Vec<Arrow> {
         let to = value.name;
         for read in reads {
             let before = read.last || read.name == to;
-            let line = if before { Line::Dashed } else { Line::Solid };
+            let stroke = if before {
+                Stroke::Dashed
+            } else {
+                Stroke::Solid
+            };
             arrows.push(Arrow {
                 from: read.name,
                 to,
-                line,
+                stroke,
             });
         }
         if let Kind::State { clock } = kind {
             arrows.push(Arrow {
                 from: clock,
                 to,
-                line: Line::Dotted,
+                stroke: Stroke::Dotted,
             });
         }
     }

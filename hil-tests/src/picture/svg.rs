@@ -15,7 +15,7 @@ use layout::std_shapes::shapes::{Arrow as LaidArrow, Element, LineEndKind, Shape
 use layout::topo::layout::VisualGraph;
 use reflex::dataflow::Description;
 
-use super::scene::{LEGEND, Line, Role, Shape, arrows, shapes};
+use super::scene::{LEGEND, Role, Shape, Stroke, arrows, shapes};
 
 /// Size of letters, in px.
 const FONT: usize = 12;
@@ -48,10 +48,10 @@ pub fn svg(graph: &Description) -> String {
     let place = |name| shapes.iter().position(|shape| shape.name == name);
     let mut all = arrows(graph);
     // What would close a cycle is turned round by the layout, in this order.
-    all.sort_by_key(|arrow| arrow.line == Line::Dashed);
+    all.sort_by_key(|arrow| arrow.stroke == Stroke::Dashed);
     for arrow in all {
         if let (Some(from), Some(to)) = (place(arrow.from), place(arrow.to)) {
-            laid.add_edge(laid_arrow(arrow.line), handles[from], handles[to]);
+            laid.add_edge(laid_arrow(arrow.stroke), handles[from], handles[to]);
         }
     }
     let mut canvas = Canvas::default();
@@ -86,15 +86,15 @@ fn widest(label: &str) -> f64 {
     letters.unwrap_or(0) as f64 * FONT as f64 * LETTER
 }
 
-fn laid_arrow(line: Line) -> LaidArrow {
-    let kind = match line {
-        Line::Solid => LineStyleKind::Normal,
-        Line::Dashed | Line::Dotted => LineStyleKind::Dashed,
+fn laid_arrow(stroke: Stroke) -> LaidArrow {
+    let kind = match stroke {
+        Stroke::Solid => LineStyleKind::Normal,
+        Stroke::Dashed | Stroke::Dotted => LineStyleKind::Dashed,
     };
-    let dashes = match line {
-        Line::Solid => SOLID,
-        Line::Dashed => DASHED,
-        Line::Dotted => DOTTED,
+    let dashes = match stroke {
+        Stroke::Solid => SOLID,
+        Stroke::Dashed => DASHED,
+        Stroke::Dotted => DOTTED,
     };
     LaidArrow {
         start: LineEndKind::None,
@@ -297,11 +297,11 @@ fn curve(path: &[(Point, Point)]) -> String {
     };
     let points = [first.0, first.1, second.0, second.1].map(pair);
     let [start, exit, entry, end] = points;
-    let mut words = format!("M{start} C{exit} {entry} {end}");
+    let mut path = format!("M{start} C{exit} {entry} {end}");
     for (control, end) in rest {
-        let _ = write!(words, " S{} {}", pair(*control), pair(*end));
+        let _ = write!(path, " S{} {}", pair(*control), pair(*end));
     }
-    words
+    path
 }
 
 /// A point as paths write it.

@@ -12,7 +12,7 @@
 
 mod latency;
 mod report;
-mod test_bench;
+mod session;
 #[cfg(test)]
 mod tests;
 
@@ -30,7 +30,7 @@ use crate::scoring::Report;
 use emulated_board::Watched;
 
 use report::BoardEvidence;
-pub(crate) use test_bench::TestBench;
+pub(crate) use session::Session;
 
 /// Replays a flight and scores it.
 ///
@@ -46,17 +46,17 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
         .transpose()?;
     let firmware = Firmware::build(options.logic, progress)?;
     let watches = HANDLERS.map(Watched::from).to_vec();
-    let mut bench = TestBench::new(&flight, options, &firmware, watches)?;
+    let mut session = Session::new(&flight, options, &firmware, watches)?;
     let mut observation = Observation::new(log);
     progress.stage(&format!("Replaying {}", path.display()));
-    bench.run(&mut observation, progress)?;
-    let outcome = bench.finish(&mut observation)?;
+    session.run(&mut observation, progress)?;
+    let outcome = session.finish(&mut observation)?;
     observation.check()?;
     check_motor_period(options.settings.motors, outcome.motor_period_ns)?;
 
     progress.stage("Scoring");
     let alignment = Alignment::of(&observation, options.settings.motors)?;
-    let start_us = alignment.clock_us(bench.flight_start_ns());
+    let start_us = alignment.clock_us(session.flight_start_ns());
     let timeline = Timeline::of(
         &observation.calls,
         (options.settings, options.logic),
@@ -72,7 +72,7 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
         options,
         flight: &flight,
         firmware: &firmware,
-        bench: &bench,
+        session: &session,
         observation: &observation,
         outcome: &outcome,
         alignment: &alignment,

@@ -10,7 +10,7 @@
 use mavlink::dialects::common::{
     AttitudeTargetTypemask, MavFrame, MavMessage, SET_ATTITUDE_TARGET_DATA,
 };
-use recorded_flights::{Bench, Flight, SetpointSource, SetpointSources, Setpoints, Sightings};
+use recorded_flights::{Flight, SetpointSource, SetpointSources, Setpoints, Sightings, Standstill};
 
 use crate::ground_station::{
     ARM_LEADS_NS, DRONE, HEARTBEAT_PERIOD_NS, LinkFrame, MILLISECOND_NS, arm, frame, heartbeat,
@@ -23,14 +23,19 @@ const ODOMETRY_PERIOD_NS: u64 = 100 * MILLISECOND_NS;
 
 /// All frames of a replay, in order of time, to the end of the flight.
 #[must_use]
-pub(super) fn schedule(flight: &Flight, setpoints: &Setpoints, bench: Bench) -> Vec<LinkFrame> {
-    let start = bench.length_ns();
+pub(super) fn schedule(
+    flight: &Flight,
+    setpoints: &Setpoints,
+    standstill: Standstill,
+) -> Vec<LinkFrame> {
+    let start = standstill.length_ns();
     let end = start + u64::try_from(flight.duration_ns).unwrap_or_default();
     let mut messages: Vec<(u64, MavMessage)> = Vec::new();
     messages.extend(every(0, end, HEARTBEAT_PERIOD_NS).map(|at| (at, heartbeat())));
     let first = start.saturating_sub(SETPOINT_LEAD_NS);
     messages.extend(
-        every(first, end, SETPOINT_PERIOD_NS).map(|at| (at, attitude_target(at, setpoints, bench))),
+        every(first, end, SETPOINT_PERIOD_NS)
+            .map(|at| (at, attitude_target(at, setpoints, standstill))),
     );
     messages.extend(ARM_LEADS_NS.iter().zip(0..).map(|(lead, confirmation)| {
         let at = start.saturating_sub(*lead);
@@ -38,7 +43,7 @@ pub(super) fn schedule(flight: &Flight, setpoints: &Setpoints, bench: Bench) -> 
     }));
     if let Some(sightings) = Sightings::of(flight, setpoints) {
         messages.extend(every(start, end, ODOMETRY_PERIOD_NS).filter_map(|at| {
-            let sighting = sightings.at(bench.log_time_ns(at))?;
+            let sighting = sightings.at(standstill.log_time_ns(at))?;
             // The frame's x axis is the heading at the start, as for setpoints: not north.
             Some((at, odometry(at, MavFrame::MAV_FRAME_LOCAL_FRD, &sighting)))
         }));
@@ -77,8 +82,8 @@ fn ignored(sources: SetpointSources) -> AttitudeTargetTypemask {
 }
 
 /// The setpoint at a virtual time.
-fn attitude_target(at_ns: u64, setpoints: &Setpoints, bench: Bench) -> MavMessage {
-    let setpoint = setpoints.at(bench.log_time_ns(at_ns));
+fn attitude_target(at_ns: u64, setpoints: &Setpoints, standstill: Standstill) -> MavMessage {
+    let setpoint = setpoints.at(standstill.log_time_ns(at_ns));
     let [roll, pitch, yaw] = setpoint.rates;
     MavMessage::SET_ATTITUDE_TARGET(SET_ATTITUDE_TARGET_DATA {
         time_boot_ms: (at_ns / MILLISECOND_NS) as u32,
@@ -122,7 +127,7 @@ mod tests {
     const START_NS: u64 = 1_500_000_000;
 
     fn frames(flight: &Flight) -> Vec<LinkFrame> {
-        schedule(flight, &Setpoints::of(flight), Bench::default())
+        schedule(flight, &Setpoints::of(flight), Standstill::default())
     }
 
     /// A frame's sender, sequence number and message, checksum checked.

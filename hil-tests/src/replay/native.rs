@@ -24,7 +24,7 @@ use crate::progress::Progress;
 use crate::refusal::Refusal;
 use crate::scoring::{Report, Score};
 use chip_models::StimulusSource;
-use recorded_flights::{Bench, Flight, FlightStimulus, Setpoints};
+use recorded_flights::{Flight, FlightStimulus, Setpoints, Standstill};
 
 /// Virtual time between two looks at the chips' sample counters.
 const STEP_NS: u64 = 20_000_000;
@@ -71,7 +71,7 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
 
 /// A board that stands at the beginning, and when the flight ends.
 fn boot(flight: &Flight, setpoints: &Setpoints, options: &ReplayOptions) -> (NativeBoard, u64) {
-    let at_rest = Bench::default();
+    let at_rest = Standstill::default();
     let source: Arc<dyn StimulusSource> = Arc::new(FlightStimulus::new(flight, at_rest));
     let end_ns = at_rest.length_ns() + length_ns(flight, options);
     let mut frames = schedule(flight, setpoints, at_rest);
@@ -88,7 +88,7 @@ fn boot(flight: &Flight, setpoints: &Setpoints, options: &ReplayOptions) -> (Nat
 
 /// Runs to the end and counts the chips' samples on the way.
 fn watch(board: &mut NativeBoard, end_ns: u64, progress: &mut dyn Progress) -> Vec<SampleCount> {
-    let start_ns = Bench::default().length_ns();
+    let start_ns = Standstill::default().length_ns();
     let seconds = |at_ns: u64| at_ns.saturating_sub(start_ns) as f64 * 1e-9;
     let mut samples = Vec::new();
     let mut at_ns = 0;
@@ -106,7 +106,7 @@ fn watch(board: &mut NativeBoard, end_ns: u64, progress: &mut dyn Progress) -> V
 }
 
 fn timeline<'c>(calls: &'c [Stamped], options: &ReplayOptions, name: &str) -> Result<Timeline<'c>> {
-    let start_us = clock(Bench::default().length_ns()).ticks();
+    let start_us = clock(Standstill::default().length_ns()).ticks();
     let timeline = Timeline::of(calls, (options.settings, options.logic), start_us)?;
     if timeline.runs_in_the_air == 0 {
         bail!(Refusal::new(format!("{name}: the drone never armed")));

@@ -6,7 +6,7 @@ use super::options::{described, named};
 use super::reason::ByReason;
 use reflex::settings::Settings;
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The report, one flat JSON object.
@@ -57,8 +57,10 @@ pub struct RunReport {
     pub digest: String,
 }
 
-/// Who plays the board in a replay.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+/// Who plays the board.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Tier {
     /// An emulator that runs the firmware's ELF.

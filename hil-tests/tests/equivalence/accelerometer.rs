@@ -124,14 +124,14 @@ fn resolution(mode: HighPassMode) -> AccelMode {
 }
 
 /// A chip on a stream, sampling, with its first sample as the zero.
-pub struct Bench {
+pub struct Rig {
     chip: Accelerometer,
     comparison: Comparison,
     mode: HighPassMode,
     now_ns: u64,
 }
 
-impl Bench {
+impl Rig {
     /// On a seeded stream whose changes are about the threshold.
     pub fn new(
         setting: &Setting,
@@ -237,7 +237,7 @@ pub fn watch(
     samples: u32,
     judge: &mut dyn FnMut(&Decision),
 ) {
-    let mut bench = Bench::new(
+    let mut rig = Rig::new(
         setting,
         code,
         stream,
@@ -246,7 +246,7 @@ pub fn watch(
     let mut dice = Dice::new(!stream.1);
     let mut left = 1;
     for _ in 0..samples {
-        let decision = bench.next();
+        let decision = rig.next();
         judge(&decision);
         left -= 1;
         let (longest, follows) = match setting.runs {
@@ -255,7 +255,7 @@ pub fn watch(
             Runs::Blind(longest) => (longest, false),
         };
         if left == 0 || follows {
-            bench.run(&mut dice);
+            rig.run(&mut dice);
             left = dice.count(1, longest);
         }
     }

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use reflex_drivers::lsm303agr::{AccelDataRate, HighPassMode};
 
-use super::accelerometer::{Bench, Runs, Setting, lowered_sweep, sweep, watch};
+use super::accelerometer::{Rig, Runs, Setting, lowered_sweep, sweep, watch};
 use super::comparison::Decision;
 use super::streams::Kind;
 use chip_models::testing::{exact, force_g};
@@ -160,8 +160,8 @@ fn a_ramp_as_fast_as_the_filter_hides_a_change_of_its_age_in_time_constants() {
     let hidden = |code: u8| {
         let source = force_g(move |t| [ramp(t), 0.0, 1.0]);
         let mode = HighPassMode::ResetByReading;
-        let mut bench = Bench::on(&setting, code, mode, (source, exact()));
-        let decisions = (0..40).map(|_| bench.next());
+        let mut rig = Rig::on(&setting, code, mode, (source, exact()));
+        let decisions = (0..40).map(|_| rig.next());
         let missed = decisions.take_while(|decision| !decision.chip);
         missed.fold(0.0, |most: f64, decision| {
             most.max(decision.change / (50.0 * CODE))
@@ -190,11 +190,11 @@ fn reset_by_its_own_interrupt_the_chip_compares_with_the_last_interrupt_s_sample
         for (n, kind) in (0..).zip(Kind::ALL) {
             let seed = 30_000 + u64::from(code) * 16 + n;
             let samples = (200, HighPassMode::ResetAtInterrupt);
-            let mut bench = Bench::new(&setting, code, (kind, seed), samples);
+            let mut rig = Rig::new(&setting, code, (kind, seed), samples);
             // From power-up the zero is 0 g, not a sample: gravity trips it.
             let mut armed = false;
             for _ in 0..samples.0 {
-                let decision = bench.next();
+                let decision = rig.next();
                 if armed {
                     interrupts += u64::from(decision.chip);
                     let grown = 1.0 + f64::from(decision.age - 1) / setting.memory();
@@ -205,7 +205,7 @@ fn reset_by_its_own_interrupt_the_chip_compares_with_the_last_interrupt_s_sample
                     );
                 }
                 if decision.chip {
-                    bench.run_without_the_bus();
+                    rig.run_without_the_bus();
                     armed = true;
                 }
             }

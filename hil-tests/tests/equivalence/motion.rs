@@ -80,13 +80,13 @@ pub fn config(high_pass: MotionHighPass, code: u8) -> ImuConfig {
 }
 
 /// A chip on a stream, with the driver at its bus.
-pub struct Bench {
+pub struct Rig {
     chip: Mpu6050,
     config: ImuConfig,
     now_ns: u64,
 }
 
-impl Bench {
+impl Rig {
     /// A specimen as bought, configured, on changes of about so many codes.
     pub fn new(config: ImuConfig, codes: f64, (kind, seed): (Kind, u64), samples: u32) -> Self {
         let size = codes * 0.032;
@@ -96,17 +96,17 @@ impl Bench {
 
     /// The same on any signal.
     pub fn on(source: Arc<dyn StimulusSource>, options: ChipOptions, config: ImuConfig) -> Self {
-        let mut bench = Self {
+        let mut rig = Self {
             chip: Mpu6050::new(source, options),
             config,
             now_ns: 0,
         };
-        let configured = bench.driver().configure(&config);
+        let configured = rig.driver().configure(&config);
         configured.expect("the chip holds what was written");
-        while bench.chip.samples() < START {
-            bench.next();
+        while rig.chip.samples() < START {
+            rig.next();
         }
-        bench
+        rig
     }
 
     pub fn driver(&mut self) -> Driver<I2cPort<'_>> {
@@ -186,18 +186,18 @@ pub fn watch(
     } else {
         1.0
     };
-    let mut bench = Bench::new(config, f64::from(code) * wide, stream, samples);
+    let mut rig = Rig::new(config, f64::from(code) * wide, stream, samples);
     let mut dice = Dice::new(!stream.1);
-    let first = bench.rearm();
+    let first = rig.rearm();
     let mut comparison = comparison(setting.reference, code, first);
     let mut left = dice.count(1, setting.longest);
-    while bench.chip.samples() < u64::from(samples) {
-        let (counts, detected) = bench.next();
+    while rig.chip.samples() < u64::from(samples) {
+        let (counts, detected) = rig.next();
         let decision = comparison.decide(whole(counts), detected);
         judge(&decision);
         left -= 1;
         if left == 0 || decision.chip {
-            comparison.rearm_at(whole(bench.rearm()));
+            comparison.rearm_at(whole(rig.rearm()));
             left = dice.count(1, setting.longest);
         }
     }

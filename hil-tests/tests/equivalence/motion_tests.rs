@@ -6,7 +6,7 @@ use reflex::settings::Reference;
 use reflex_drivers::mpu6050::{ImuConfig, MotionDecrement, MotionDetector, MotionHighPass};
 
 use super::comparison::Decision;
-use super::motion::{Bench, COUNT, PER_COUNT, Setting, comparison, config, watch, whole};
+use super::motion::{COUNT, PER_COUNT, Rig, Setting, comparison, config, watch, whole};
 use super::streams::Kind;
 use chip_models::testing::{MS, exact, force_g};
 
@@ -101,35 +101,35 @@ fn re_armed_at_every_second_sample_a_corner_compares_with_the_previous_one() {
 }
 
 /// Motions detected in 100 ms at 1 g sideways, then in 100 ms back at rest.
-fn there_and_back(rearm: impl FnOnce(&mut Bench)) -> (u32, u32) {
+fn there_and_back(rearm: impl FnOnce(&mut Rig)) -> (u32, u32) {
     let sideways = force_g(|t| [f64::from(u8::from((0.1..0.2).contains(&t))), 0.0, 1.0]);
-    let mut bench = Bench::on(sideways, exact(), config(MotionHighPass::Hold, 10));
-    bench.rearm();
-    let until_ms = |bench: &mut Bench, end_ms: u64| {
+    let mut rig = Rig::on(sideways, exact(), config(MotionHighPass::Hold, 10));
+    rig.rearm();
+    let until_ms = |rig: &mut Rig, end_ms: u64| {
         let mut detected = 0;
-        while bench.now_ns() < end_ms * MS {
-            detected += u32::from(bench.next().1);
+        while rig.now_ns() < end_ms * MS {
+            detected += u32::from(rig.next().1);
         }
         detected
     };
-    let there = until_ms(&mut bench, 150);
-    rearm(&mut bench);
-    (there, until_ms(&mut bench, 300))
+    let there = until_ms(&mut rig, 150);
+    rearm(&mut rig);
+    (there, until_ms(&mut rig, 300))
 }
 
 #[test]
 fn released_and_taken_on_two_sides_of_a_sample_the_reference_is_new() {
-    let motions = there_and_back(|bench| {
-        bench.rearm();
+    let motions = there_and_back(|rig| {
+        rig.rearm();
     });
     assert_eq!(motions, (1, 1), "the way back is a change too");
 }
 
 #[test]
 fn released_and_taken_between_two_samples_the_old_reference_stays() {
-    let motions = there_and_back(|bench| {
+    let motions = there_and_back(|rig| {
         let config = config(MotionHighPass::Hold, 10);
-        let mut driver = bench.driver();
+        let mut driver = rig.driver();
         let released = driver.release_motion_reference(&config);
         released.expect("the chip holds what was written");
         let taken = driver.take_motion_reference(&config);
@@ -171,8 +171,8 @@ fn count_out(motion: MotionDetector, stream: (Kind, u64)) -> (u32, u32) {
         ..config(MotionHighPass::Hold, motion.threshold.code())
     };
     let code = motion.threshold.code();
-    let mut bench = Bench::new(config, f64::from(code), stream, 400);
-    let mut software = comparison(Reference::LastRun, code, bench.rearm());
+    let mut rig = Rig::new(config, f64::from(code), stream, 400);
+    let mut software = comparison(Reference::LastRun, code, rig.rearm());
     let mut counter = Counter {
         value: 0,
         duration: u32::from(motion.duration_ms),
@@ -180,7 +180,7 @@ fn count_out(motion: MotionDetector, stream: (Kind, u64)) -> (u32, u32) {
     };
     let mut interrupts = 0;
     for compared in 0..300 {
-        let (counts, detected) = bench.next();
+        let (counts, detected) = rig.next();
         let decision = software.decide(whole(counts), detected);
         if decision.clipped || decision.distance() <= ROUNDING {
             return (interrupts, compared);

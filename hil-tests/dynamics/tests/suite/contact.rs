@@ -1,6 +1,6 @@
 //! Ground: rest, take-off, landing, crash.
 
-use flight_dynamics::{Drag, Drone, Environment, Place, STANDARD_GRAVITY, State};
+use flight_dynamics::{Drag, Drone, Environment, STANDARD_GRAVITY, Start, State};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::{close, fly, flying, vehicles};
@@ -8,7 +8,7 @@ use crate::{close, fly, flying, vehicles};
 #[test]
 fn a_drone_rests_level_and_still_in_a_fresh_breeze() {
     for vehicle in [vehicles::quad(), vehicles::hexa(), vehicles::y6()] {
-        let place = Place {
+        let place = Start {
             north: 3.0,
             east: -2.0,
             heading: 1.0,
@@ -17,7 +17,7 @@ fn a_drone_rests_level_and_still_in_a_fresh_breeze() {
         let still = vec![0.0; vehicle.motors.len()];
         fly(&mut drone, 1.0, 1e-3, &still);
         close(drone.height(), 0.0, 1e-12);
-        close(drone.felt().specific_force.z, -STANDARD_GRAVITY, 1e-9);
+        close(drone.readings().specific_force.z, -STANDARD_GRAVITY, 1e-9);
         for _ in 0..20_000 {
             let breeze = Vector3::new(6.0, -6.0, 0.0);
             drone.advance(1e-3, &still, breeze).unwrap();
@@ -37,7 +37,7 @@ fn a_drone_rests_level_and_still_in_a_fresh_breeze() {
 fn it_takes_off_when_thrust_exceeds_weight_and_not_before() {
     let vehicle = vehicles::ideal(vehicles::quad());
     let hover = vehicles::hover(&vehicle);
-    let mut drone = Drone::new(&vehicle, Place::default(), &Environment::calm()).unwrap();
+    let mut drone = Drone::new(&vehicle, Start::default(), &Environment::calm()).unwrap();
     fly(&mut drone, 1.0, 1e-3, &[hover - 0.02; 4]);
     assert!(drone.is_on_ground());
     fly(&mut drone, 1.0, 1e-3, &[hover + 0.02; 4]);
@@ -75,7 +75,7 @@ fn a_hard_landing_is_a_crash() {
 #[test]
 fn tipping_over_on_the_ground_is_a_crash_even_when_slow() {
     let vehicle = vehicles::ideal(vehicles::quad());
-    let mut drone = Drone::new(&vehicle, Place::default(), &Environment::calm()).unwrap();
+    let mut drone = Drone::new(&vehicle, Start::default(), &Environment::calm()).unwrap();
     let throttles: Vec<f64> = vehicle
         .motors
         .iter()

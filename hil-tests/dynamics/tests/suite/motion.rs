@@ -16,7 +16,7 @@ fn thrust_equal_to_weight_holds_every_drone_in_place() {
         close(drone.state().position.z, -20.0, 1e-9);
         close(drone.state().velocity.norm(), 0.0, 1e-9);
         close(drone.state().tilt(), 0.0, 1e-6);
-        close(drone.felt().specific_force.z, -STANDARD_GRAVITY, 1e-9);
+        close(drone.readings().specific_force.z, -STANDARD_GRAVITY, 1e-9);
     }
 }
 
@@ -32,7 +32,7 @@ fn without_air_a_drone_with_stopped_motors_falls_freely_and_feels_nothing() {
         -100.0 + 2.0 * STANDARD_GRAVITY,
         1e-9,
     );
-    close(drone.felt().specific_force.norm(), 0.0, 1e-12);
+    close(drone.readings().specific_force.norm(), 0.0, 1e-12);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What holds for all throttles, winds and steps.
 
-use flight_dynamics::{Divergence, Drone, Environment, Place, State};
+use flight_dynamics::{Divergence, Drone, Environment, Start, State};
 use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
@@ -24,9 +24,9 @@ proptest! {
             if drone.advance(dt, &throttles, Vector3::from(wind)).is_err() {
                 break;
             }
-            let felt = drone.felt();
-            let numbers = felt.rates.iter().chain(&felt.specific_force);
-            prop_assert!(numbers.chain(&felt.magnetic_field).all(|x| x.is_finite()));
+            let readings = drone.readings();
+            let numbers = readings.rates.iter().chain(&readings.specific_force);
+            prop_assert!(numbers.chain(&readings.magnetic_field).all(|x| x.is_finite()));
             let norm = drone.state().attitude.quaternion().norm();
             prop_assert!((norm - 1.0).abs() < 1e-12);
             prop_assert!(drone.state().position.z < 0.5, "fell through the ground");
@@ -41,7 +41,7 @@ proptest! {
     ) {
         let vehicle = vehicles::quad();
         let mut drone =
-            Drone::new(&vehicle, Place::default(), &Environment::calm()).unwrap();
+            Drone::new(&vehicle, Start::default(), &Environment::calm()).unwrap();
         let (mut energy, mut time) = (0.0, 0);
         for (throttle, ns) in commands {
             drone.advance(f64::from(ns) * 1e-9, &[throttle; 4], Vector3::zeros()).unwrap();
@@ -59,7 +59,7 @@ proptest! {
     ) {
         let vehicle = vehicles::quad();
         let mut drone =
-            Drone::new(&vehicle, Place::default(), &Environment::calm()).unwrap();
+            Drone::new(&vehicle, Start::default(), &Environment::calm()).unwrap();
         let before = *drone.state();
         let mut throttles = [0.5; 4];
         throttles[motor] = share;
@@ -74,7 +74,7 @@ proptest! {
 #[test]
 fn what_is_not_finite_is_refused_with_time_and_reason() {
     let vehicle = vehicles::quad();
-    let mut drone = Drone::new(&vehicle, Place::default(), &Environment::calm()).unwrap();
+    let mut drone = Drone::new(&vehicle, Start::default(), &Environment::calm()).unwrap();
     let still = Vector3::zeros();
     drone.advance(0.05, &[0.0; 4], still).unwrap();
     for dt in [f64::NAN, 0.0, -1e-3, 0.11] {
@@ -94,7 +94,7 @@ fn what_is_not_finite_is_refused_with_time_and_reason() {
 fn a_vehicle_out_of_range_is_refused_with_the_name_of_the_parameter() {
     let mut vehicle = vehicles::quad();
     vehicle.propulsion.lag_up = f64::NAN;
-    let refusal = Drone::new(&vehicle, Place::default(), &Environment::calm()).unwrap_err();
+    let refusal = Drone::new(&vehicle, Start::default(), &Environment::calm()).unwrap_err();
     assert_eq!(
         refusal.to_string(),
         "lag_up is NaN; it must be from 0.002 to 2"

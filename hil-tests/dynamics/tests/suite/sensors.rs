@@ -1,8 +1,8 @@
-//! What perfect sensors feel.
+//! What perfect sensors read.
 
 use std::f64::consts::FRAC_PI_2;
 
-use flight_dynamics::{Drone, Environment, Place, STANDARD_GRAVITY};
+use flight_dynamics::{Drone, Environment, STANDARD_GRAVITY, Start};
 use nalgebra::Vector3;
 
 use crate::{close, fly, flying, vehicles};
@@ -10,13 +10,13 @@ use crate::{close, fly, flying, vehicles};
 #[test]
 fn the_field_turns_against_the_drone() {
     let vehicle = vehicles::quad();
-    let east = Place {
+    let east = Start {
         heading: FRAC_PI_2,
-        ..Place::default()
+        ..Start::default()
     };
     let drone = Drone::new(&vehicle, east, &Environment::calm()).unwrap();
     // Facing east, north is on the left.
-    let field = drone.felt().magnetic_field;
+    let field = drone.readings().magnetic_field;
     close((field - Vector3::new(0.0, -0.2, 0.4)).norm(), 0.0, 1e-12);
 }
 
@@ -25,13 +25,17 @@ fn biases_are_added() {
     let mut vehicle = vehicles::quad();
     vehicle.biases.rates = Vector3::new(0.01, 0.02, 0.03);
     vehicle.biases.specific_force = Vector3::new(0.1, 0.2, 0.3);
-    let drone = Drone::new(&vehicle, Place::default(), &Environment::calm()).unwrap();
+    let drone = Drone::new(&vehicle, Start::default(), &Environment::calm()).unwrap();
     close(
-        (drone.felt().rates - vehicle.biases.rates).norm(),
+        (drone.readings().rates - vehicle.biases.rates).norm(),
         0.0,
         1e-12,
     );
-    close(drone.felt().specific_force.z, 0.3 - STANDARD_GRAVITY, 1e-9);
+    close(
+        drone.readings().specific_force.z,
+        0.3 - STANDARD_GRAVITY,
+        1e-9,
+    );
 }
 
 #[test]
@@ -49,7 +53,7 @@ fn a_drone_in_flight_shakes_at_the_speed_of_its_rotors() {
     let steps = 20_000;
     for step in 1..=steps {
         fly(&mut drone, 1e-4, 1e-4, &[hover; 4]);
-        let forward = drone.felt().specific_force.x;
+        let forward = drone.readings().specific_force.x;
         let phase = speed * f64::from(step) * 1e-4;
         sine += forward * phase.sin() * 2.0 / f64::from(steps);
         cosine += forward * phase.cos() * 2.0 / f64::from(steps);

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 use px4_ulog::stream_parser::{DataMessage, LogParser};
 
-use super::super::error::{Fault, Place, quoted};
+use super::super::error::{Fault, Location, quoted};
 use super::table::{TOPICS, Table, Topic};
 
 const HEADER_BYTES: usize = 16;
@@ -65,7 +65,7 @@ fn feed(parser: &mut LogParser, offset: usize, bytes: &[u8]) -> Result<(), Fault
 
 /// A fault at a byte offset.
 fn at(offset: usize, reason: impl Into<String>) -> Fault {
-    Fault::new(Place::Byte(offset as u64), reason)
+    Fault::new(Location::Byte(offset as u64), reason)
 }
 
 /// The fault of a log that ends within a message.

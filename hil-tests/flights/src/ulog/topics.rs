@@ -1,6 +1,6 @@
 //! Makes a recording of decoded topics.
 
-use super::super::error::{Fault, Place};
+use super::super::error::{Fault, Location};
 use super::super::recording::{LogFormat, MAX_MOTORS, Motors, Recorded, Recording, Sensor};
 use super::super::track::Track;
 use super::table::{Row, Table};
@@ -55,7 +55,7 @@ enum Stamp {
 /// A fault of a message.
 fn at(offset: usize, table: &Table, reason: &str) -> Fault {
     Fault::new(
-        Place::Byte(offset as u64),
+        Location::Byte(offset as u64),
         format!("{}: {reason}", table.name()),
     )
 }

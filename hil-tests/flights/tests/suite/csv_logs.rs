@@ -1,7 +1,7 @@
 //! Logs of text: what is read, and how bad ones are refused.
 
 use super::samples::{csv, full_csv, named};
-use recorded_flights::{Flight, Place, Rotate, Rotation, RotationReason};
+use recorded_flights::{Flight, Location, Rotate, Rotation, RotationReason};
 
 /// The one line that a log is refused with.
 fn refusal(text: &str) -> String {
@@ -237,7 +237,7 @@ fn logs_without_a_flight_are_refused() {
 fn files_that_are_no_logs_are_refused() {
     let read = |path: &str| {
         let error = Flight::read(path.as_ref(), Rotate::Auto).expect_err("no log");
-        assert_eq!(error.place(), &Place::File);
+        assert_eq!(error.location(), &Location::File);
         error.to_string()
     };
     assert!(read("/does/not/exist.csv").starts_with("/does/not/exist.csv: cannot be read: "));

@@ -5,7 +5,7 @@ use std::path::Path;
 use chip_models::stimulus::StimulusSource;
 use recorded_flights::recordings::recording;
 use recorded_flights::{
-    Bench, Flight, FlightStimulus, Rotate, Rotation, SetpointSource, Setpoints, sample_flight,
+    Flight, FlightStimulus, Rotate, Rotation, SetpointSource, Setpoints, Standstill, sample_flight,
 };
 
 fn read(path: &Path) -> Flight {
@@ -28,8 +28,8 @@ fn check(flight: &Flight) {
         flight.motors.as_ref().map(|m| m.count),
         setpoints.sources,
     );
-    let source = FlightStimulus::new(flight, Bench::default());
-    let start = Bench::default().length_ns();
+    let source = FlightStimulus::new(flight, Standstill::default());
+    let start = Standstill::default().length_ns();
     for (time, value) in flight.gyro.iter() {
         assert_eq!(source.at(start + time as u64).gyro, value);
     }

@@ -2,14 +2,14 @@
 
 use super::samples::{flight, hover};
 use chip_models::stimulus::{STANDARD_GRAVITY, StimulusSource};
-use recorded_flights::{Bench, FlightStimulus};
+use recorded_flights::{FlightStimulus, Standstill};
 
-const BENCH_NS: u64 = 1_500_000_000;
+const STANDSTILL_NS: u64 = 1_500_000_000;
 
 #[test]
-fn on_the_bench_the_drone_rests_in_its_first_attitude() {
+fn before_the_flight_the_drone_rests_in_its_first_attitude() {
     let tilted = flight(2.0, |_| ([1.0, 2.0, 3.0], [0.0, 3.0, -4.0]));
-    let felt = FlightStimulus::new(&tilted, Bench::default()).at(BENCH_NS - 60_000_000);
+    let felt = FlightStimulus::new(&tilted, Standstill::default()).at(STANDSTILL_NS - 60_000_000);
     assert_eq!(felt.gyro, [0.0; 3]);
     let [x, y, z] = felt.specific_force;
     assert_eq!(x, 0.0);
@@ -20,34 +20,34 @@ fn on_the_bench_the_drone_rests_in_its_first_attitude() {
 #[test]
 fn the_flight_is_met_exactly_at_its_samples() {
     let swinging = flight(2.0, |t| ([t.sin(), t, -t], [t, 0.0, -9.8 + t]));
-    let source = FlightStimulus::new(&swinging, Bench::default());
+    let source = FlightStimulus::new(&swinging, Standstill::default());
     for (time, value) in swinging.gyro.iter() {
-        assert_eq!(source.at(BENCH_NS + time as u64).gyro, value);
+        assert_eq!(source.at(STANDSTILL_NS + time as u64).gyro, value);
     }
     for (time, value) in swinging.accel.iter() {
-        assert_eq!(source.at(BENCH_NS + time as u64).specific_force, value);
+        assert_eq!(source.at(STANDSTILL_NS + time as u64).specific_force, value);
     }
 }
 
 #[test]
-fn the_last_moments_of_the_bench_lead_to_the_flight() {
+fn the_last_moments_at_rest_lead_to_the_flight() {
     let moving = flight(2.0, |_| ([1.0, 0.0, 0.0], [0.0, 0.0, -9.8]));
-    let source = FlightStimulus::new(&moving, Bench::default());
-    assert_eq!(source.at(BENCH_NS - 50_000_000).gyro[0], 0.0);
-    assert_eq!(source.at(BENCH_NS - 25_000_000).gyro[0], 0.5);
-    assert_eq!(source.at(BENCH_NS).gyro[0], 1.0);
+    let source = FlightStimulus::new(&moving, Standstill::default());
+    assert_eq!(source.at(STANDSTILL_NS - 50_000_000).gyro[0], 0.0);
+    assert_eq!(source.at(STANDSTILL_NS - 25_000_000).gyro[0], 0.5);
+    assert_eq!(source.at(STANDSTILL_NS).gyro[0], 1.0);
 }
 
 #[test]
 fn after_the_flight_the_last_sample_is_held() {
     let moving = flight(2.0, |t| ([t, 0.0, 0.0], [0.0, 0.0, -9.8]));
-    let source = FlightStimulus::new(&moving, Bench::default());
+    let source = FlightStimulus::new(&moving, Standstill::default());
     assert_eq!(source.at(u64::MAX).gyro, [2.0, 0.0, 0.0]);
 }
 
 #[test]
 fn a_missing_magnetometer_feels_a_constant_field() {
-    let source = FlightStimulus::new(&hover(), Bench::default());
+    let source = FlightStimulus::new(&hover(), Standstill::default());
     assert_eq!(
         source.at(0).magnetic_field,
         source.at(u64::MAX).magnetic_field
@@ -59,8 +59,8 @@ fn a_missing_magnetometer_feels_a_constant_field() {
 fn the_order_of_questions_changes_no_answer() {
     let moving = flight(2.0, |t| ([t.cos(), 0.0, 0.0], [0.0, t, -9.8]));
     let (rising, jumping) = (
-        FlightStimulus::new(&moving, Bench::default()),
-        FlightStimulus::new(&moving, Bench::default()),
+        FlightStimulus::new(&moving, Standstill::default()),
+        FlightStimulus::new(&moving, Standstill::default()),
     );
     let steps = 3000;
     for step in 0..steps {
@@ -72,8 +72,8 @@ fn the_order_of_questions_changes_no_answer() {
 }
 
 #[test]
-fn a_bench_too_short_to_boot_is_lengthened() {
-    assert_eq!(Bench::new(0).length_ns(), Bench::SHORTEST_NS);
-    assert_eq!(Bench::default().log_time_ns(BENCH_NS + 7), 7);
-    assert_eq!(Bench::default().log_time_ns(0), -1_500_000_000);
+fn a_standstill_too_short_to_boot_is_lengthened() {
+    assert_eq!(Standstill::new(0).length_ns(), Standstill::SHORTEST_NS);
+    assert_eq!(Standstill::default().log_time_ns(STANDSTILL_NS + 7), 7);
+    assert_eq!(Standstill::default().log_time_ns(0), -1_500_000_000);
 }

@@ -1,7 +1,7 @@
 //! ULog files: what is read, and how bad ones are refused.
 
 use super::ulog_bytes::{COMBINED, Ulog, combined, level_flight};
-use recorded_flights::{Fault, Flight, LogFormat, Place, Rotate, Rotation, RotationReason};
+use recorded_flights::{Fault, Flight, Location, LogFormat, Rotate, Rotation, RotationReason};
 
 fn read(log: &Ulog) -> Result<Flight, Fault> {
     Flight::of_bytes("log".to_owned(), &log.bytes, Rotate::Auto)
@@ -150,7 +150,7 @@ fn a_log_cut_within_a_message_is_refused_at_that_message() {
         let fault = Flight::of_bytes("cut".to_owned(), &log.bytes[..length], Rotate::Auto)
             .expect_err("cut off");
         let start_of_last = log.bytes.len() - (3 + 2 + 8 + 12 + 4 + 12);
-        assert_eq!(fault.place, Place::Byte(start_of_last as u64));
+        assert_eq!(fault.location, Location::Byte(start_of_last as u64));
         assert_eq!(fault.reason, "the log is cut off within a message");
     }
     assert!(whole.gaps.is_empty());
@@ -162,7 +162,7 @@ fn time_that_goes_back_is_refused_with_its_topic() {
     let offset = log.bytes.len() as u64;
     combined(&mut log, 2_999_999, [0.0; 3], [0.0; 3]);
     let fault = read(&log).expect_err("time goes back");
-    assert_eq!(fault.place, Place::Byte(offset));
+    assert_eq!(fault.location, Location::Byte(offset));
     assert_eq!(
         fault.reason,
         "sensor_combined: time goes back: 2999999 follows 3000000"
@@ -176,7 +176,7 @@ fn values_no_sensor_gives_are_refused() {
         let offset = log.bytes.len() as u64;
         combined(&mut log, 3_005_000, [0.0, bad, 0.0], [0.0; 3]);
         let fault = read(&log).expect_err("a senseless value");
-        assert_eq!(fault.place, Place::Byte(offset));
+        assert_eq!(fault.location, Location::Byte(offset));
         assert!(fault.reason.starts_with("sensor_combined: "), "{fault:?}");
     }
 }
@@ -229,7 +229,7 @@ fn spoilt_messages_are_refused_where_they_are() {
         let offset = log.bytes.len() as u64;
         log.message(kind, payload);
         let fault = read(&log).expect_err("a spoilt message");
-        assert_eq!(fault.place, Place::Byte(offset), "{fault:?}");
+        assert_eq!(fault.location, Location::Byte(offset), "{fault:?}");
         assert!(!fault.reason.contains('\n'), "{fault:?}");
     }
 }

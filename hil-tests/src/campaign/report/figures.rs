@@ -69,7 +69,7 @@ fn unchanged(plan: &Plan, findings: &Findings) -> Result<Shown> {
 fn improvements(
     plan: &Plan,
     compared: &Compared,
-    (metric, words): (Metric, &str),
+    (metric, against): (Metric, &str),
     range: Option<[f64; 2]>,
 ) -> Vec<Panel> {
     let panels = plan.logics.iter().map(|logic| {
@@ -80,7 +80,7 @@ fn improvements(
                 cells.find(|cell| [&*cell.environment, &*cell.airframe, &*cell.logic] == is)?;
             cell.improvement_percent.get(&metric).copied()
         };
-        let title = format!("{logic}: {} against {words}", metric.name());
+        let title = format!("{logic}: {} against {against}", metric.name());
         bars::panel(plan, (&title, "improvement, %"), &value, range)
     });
     panels.collect()
@@ -95,15 +95,15 @@ fn against_each(
 ) -> Vec<Panel> {
     let mut panels = Vec::new();
     for metric in metrics {
-        for (compared, words) in shown_in(&findings.comparisons, |it| it.figure) {
+        for (compared, against) in shown_in(&findings.comparisons, |it| it.figure) {
             if compared.cells.is_empty() {
                 continue;
             }
             // Beside the paper's numbers ours may be too small to see: then once more without.
             if range.is_some() && compared.comparison.against == Role::Periodic(USUAL_HZ) {
-                panels.extend(improvements(plan, compared, (*metric, words), range));
+                panels.extend(improvements(plan, compared, (*metric, against), range));
             }
-            panels.extend(improvements(plan, compared, (*metric, words), None));
+            panels.extend(improvements(plan, compared, (*metric, against), None));
         }
     }
     panels

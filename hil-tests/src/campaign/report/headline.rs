@@ -27,8 +27,8 @@ pub fn section(findings: &Findings) -> Markup {
         }
         (effort(findings))
         ul {
-            @for (compared, words) in shown_in(&findings.comparisons, |it| it.headline) {
-                (answer(compared, words))
+            @for (compared, title) in shown_in(&findings.comparisons, |it| it.headline) {
+                (answer(compared, title))
             }
         }
         p class="paper" {
@@ -45,10 +45,10 @@ pub fn section(findings: &Findings) -> Markup {
     }
 }
 
-fn answer(compared: &Compared, words: &str) -> Markup {
+fn answer(compared: &Compared, title: &str) -> Markup {
     html! {
         li {
-            strong { (words) ": " }
+            strong { (title) ": " }
             @if compared.improvement_percent.is_empty() {
                 "not flown."
             } @else {

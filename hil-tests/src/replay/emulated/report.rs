@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use reflex::app::Ran;
 
 use super::latency;
-use super::test_bench::{TestBench, held};
+use super::session::{Session, held};
 use crate::firmware::Firmware;
 use crate::record::Observation;
 use crate::record::{AlignedRun, Alignment};
@@ -21,7 +21,7 @@ pub(super) struct BoardEvidence<'r, 'c> {
     pub(super) options: &'r ReplayOptions,
     pub(super) flight: &'r Flight,
     pub(super) firmware: &'r Firmware,
-    pub(super) bench: &'r TestBench,
+    pub(super) session: &'r Session,
     pub(super) observation: &'r Observation,
     pub(super) outcome: &'r Outcome,
     pub(super) alignment: &'r Alignment,
@@ -35,16 +35,16 @@ impl BoardEvidence<'_, '_> {
         let evidence = Evidence {
             options: self.options,
             flight: self.flight,
-            setpoints: &self.bench.setpoints,
+            setpoints: &self.session.setpoints,
             timeline: self.timeline,
             runs: &runs,
             chips: ChipEvidence {
                 from_ns: self.scored_from_ns(),
                 edges: self.observation.edges.each_ref().map(Vec::as_slice),
-                samples: &self.bench.samples,
+                samples: &self.session.samples,
                 chip_thresholds: [
-                    held(&self.bench.chips.accel).pin_threshold(),
-                    held(&self.bench.chips.mag).pin_threshold(),
+                    held(&self.session.chips.accel).pin_threshold(),
+                    held(&self.session.chips.mag).pin_threshold(),
                 ],
             },
         };

@@ -1,4 +1,4 @@
-//! The test bench: chips and link frames of one flight around one booted board.
+//! A session: chips and link frames of one flight around one booted board.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -15,22 +15,22 @@ use crate::replay::setup::{chip_options, length_ns};
 use chip_models::{SharedChips, StimulusSource};
 use emulated_board::emulated::{EmulatedBoard, Sensors};
 use emulated_board::{Board, Elf, Observer, Options, Outcome, Watched};
-use recorded_flights::{Bench, Flight, FlightStimulus, Setpoints};
+use recorded_flights::{Flight, FlightStimulus, Setpoints, Standstill};
 
 /// Virtual time between two looks at the chips' sample counters.
 const STEP_NS: u64 = 20_000_000;
 
-/// Everything that is on the table.
-pub(crate) struct TestBench {
+/// One replay on an emulated board, with all that belongs to it.
+pub(crate) struct Session {
     board: Option<Box<EmulatedBoard>>,
     pub(super) chips: SharedChips,
     pub(super) setpoints: Setpoints,
     pub(super) samples: Vec<SampleCount>,
-    at_rest: Bench,
+    at_rest: Standstill,
     end_ns: u64,
 }
 
-impl TestBench {
+impl Session {
     /// Builds the chips, boots the board and schedules the link's frames.
     pub(crate) fn new(
         flight: &Flight,
@@ -38,7 +38,7 @@ impl TestBench {
         firmware: &Firmware,
         watches: Vec<Watched>,
     ) -> Result<Self> {
-        let at_rest = Bench::default();
+        let at_rest = Standstill::default();
         let source: Arc<dyn StimulusSource> = Arc::new(FlightStimulus::new(flight, at_rest));
         let chips = SharedChips::feeling(&source, chip_options(flight, options));
         let elf = Arc::new(Elf::parse(firmware.bytes.clone())?);
@@ -97,7 +97,7 @@ impl TestBench {
         Ok(())
     }
 
-    /// Takes the board off the table and says what can only be measured at the end.
+    /// Ends the board and says what can only be measured at the end.
     pub(super) fn finish(&mut self, observation: &mut Observation) -> Result<Outcome> {
         observation.flush()?;
         self.end()
