@@ -6,8 +6,8 @@
 //! A *trial* is one airframe with one logic in one environment under one seed, flown reactively
 //! and time-triggered in the same wind. Emulated flights measure the processor's load first, and
 //! with it the rate at which time-triggered control takes equal processor time. Every flight
-//! follows from its job alone, and is told of in a line of the journal: a campaign may be stopped,
-//! or flown in parts on many computers, and comes to the same report.
+//! follows from its job alone, and has a line in the journal: a campaign may be stopped,
+//! or flown in parts on many computers, and its report is the same.
 
 mod comparison;
 mod crew;
@@ -51,7 +51,7 @@ use plan::USUAL_HZ;
 use role::{Contender, Role};
 use sortie::{AS_CONFIGURED, Job, Sortie, Tier};
 
-/// What a campaign is told.
+/// The options of a campaign.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CampaignOptions {
     /// Which flights.
@@ -64,7 +64,7 @@ pub struct CampaignOptions {
     pub report_only: bool,
 }
 
-/// Flies what is not yet flown, then tells of everything that the folder holds.
+/// Flies what is not yet flown, then reports everything that the folder holds.
 ///
 /// `date` is written into the report, and nowhere else.
 ///
@@ -217,7 +217,7 @@ impl Flying<'_> {
         })
     }
 
-    /// What a flight is told; none where the flight that decides it crashed or lacks.
+    /// The job of a flight; none where the flight that decides it crashed or is missing.
     fn job(&self, sortie: &Sortie) -> Option<Job> {
         let records = &self.journal.records;
         let period_us = match sortie.role {

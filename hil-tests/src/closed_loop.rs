@@ -47,8 +47,8 @@ pub use mission::Mission;
 use report::FlightReport;
 use track::Moment;
 
-/// Seconds between two words to a progress bar.
-const TOLD_S: f64 = 0.5;
+/// Seconds of flight between two reports of progress.
+const PROGRESS_PERIOD_S: f64 = 0.5;
 
 /// What flies the drone.
 #[derive(Clone, Copy, Debug)]
@@ -94,7 +94,7 @@ impl Scene {
 pub struct FlyOptions {
     /// The control logic.
     pub logic: LogicName,
-    /// What the autopilot is told; its seed is that of everything.
+    /// The autopilot's settings; its seed is that of everything.
     pub settings: Settings,
     /// What the drone is to do.
     pub mission: Mission,
@@ -126,7 +126,7 @@ impl Default for Stress {
     }
 }
 
-/// Flies, and tells what came of it: a crash is a report as well.
+/// Flies and reports: a crash is a report as well.
 ///
 /// # Errors
 /// A fault of the board, firmware that contradicts itself or the host, parameters that describe
@@ -138,11 +138,11 @@ pub fn fly(
     progress: &mut dyn Progress,
 ) -> Result<Flown> {
     let mut flight = Flight::new(scene, options, flyer)?;
-    let mut told_s = 0.0;
+    let mut reported_s = 0.0;
     while flight.goes_on() {
         flight.step()?;
-        if flight.since_take_off_s() >= told_s {
-            told_s += TOLD_S;
+        if flight.since_take_off_s() >= reported_s {
+            reported_s += PROGRESS_PERIOD_S;
             progress.done(flight.since_take_off_s(), options.duration_s);
         }
     }
@@ -151,7 +151,7 @@ pub fn fly(
     Ok(Flown { report, track })
 }
 
-/// What came of a flight.
+/// The result of a flight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flown {
     /// Every number.

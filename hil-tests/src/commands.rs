@@ -54,7 +54,7 @@ enum Command {
     #[command(name = crate::campaign::WORKER, hide = true)]
     CampaignWorker,
     /// Count the instructions of every part on the emulated core, against its limit
-    Standstill(bench::BenchArguments),
+    Bench(bench::BenchArguments),
     /// Draw a control logic as a graph, for Graphviz and as SVG
     Graph(graph::GraphArguments),
     /// Run everything that continuous integration runs
@@ -80,7 +80,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Fly(arguments) => fly::run(arguments),
         Command::Campaign(arguments) => campaign::run(arguments),
         Command::CampaignWorker => campaign::work(),
-        Command::Standstill(arguments) => bench::run(arguments),
+        Command::Bench(arguments) => bench::run(arguments),
         Command::Graph(arguments) => graph::run(arguments),
         Command::Test => test::run(),
     };
@@ -101,7 +101,7 @@ fn exit_code(error: &anyhow::Error) -> u8 {
 }
 
 fn complain(line: &str) {
-    // Nobody is left to tell where stderr is closed.
+    // Where stderr is closed, there is nowhere to write.
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 

@@ -53,7 +53,7 @@ impl<'f> OutputFile<'f> {
         Ok(())
     }
 
-    /// Whether both names lead to one file, by whatever spelling or link.
+    /// Whether both names lead to one file, however each is spelt or linked.
     pub(crate) fn is(&self, other: &Path) -> bool {
         match (fs::metadata(self.path), fs::metadata(other)) {
             (Ok(a), Ok(b)) => is_same(&a, &b),

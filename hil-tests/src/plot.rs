@@ -4,7 +4,7 @@
 //! Figure { title, panels } -- each Panel { title, x, y, curves } -- each Curve { look, points }
 //! ```
 //! Looks differ in colour, brightness and marker, so that a figure in grey print still reads.
-//! Text is left to whatever shows the SVG: no font is looked for. The same figure gives the
+//! The viewer of the SVG chooses the font: none is looked for here. The same figure gives the
 //! same bytes. Values that an axis cannot show (not finite, or not above 0 on a logarithmic
 //! one) are left out.
 

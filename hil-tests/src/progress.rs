@@ -1,4 +1,4 @@
-//! How long work tells a person how far it is.
+//! How long work reports its progress to a person.
 
 /// Hears how far a piece of work is.
 pub trait Progress {
@@ -15,7 +15,7 @@ pub trait Progress {
     fn output(&mut self, _text: &str) {}
 }
 
-/// Tells nobody.
+/// Reports nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 

@@ -35,7 +35,7 @@ pub use table::tables;
 
 use logs::{Log, Logs};
 
-/// What a sweep is told, once it is known to make sense.
+/// The options of a sweep, checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepOptions {
     /// What holds at every point; its log may be a folder.
@@ -97,7 +97,7 @@ fn fly(
         .flat_map(|log| points.iter().map(move |point| (log, point)));
     let of = (logs.len() * points.len()) as f64;
     let (sender, receiver) = mpsc::channel();
-    // Only here is the caller's progress touched: the threads tell this one.
+    // Only here is the caller's progress touched: the threads report to this one.
     let mut scores: Vec<(usize, Result<Score>)> = pool.in_place_scope(|scope| {
         for (place, (log, point)) in pairs.enumerate() {
             let sender = sender.clone();
@@ -106,7 +106,7 @@ fn fly(
                     settings: *point,
                     ..options.replay.clone()
                 };
-                // Nobody listens any more only where another thread has panicked.
+                // The receiver is gone only where another thread has panicked.
                 let _ = sender.send((place, native::fly_and_score(&log.flight, &replay)));
             });
         }

@@ -1,4 +1,4 @@
-//! Wind: mean, turbulence, gusts and shelter, the same for whoever flies in it.
+//! Wind: mean, turbulence, gusts and shelter, the same for every drone in it.
 //!
 //! It is worked out every 10 ms of its own time from the seed and the place's nominal altitude
 //! and airspeed alone, never from the drone's motion, and goes in straight lines between. So

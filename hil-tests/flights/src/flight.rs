@@ -70,7 +70,7 @@ impl Flight {
     /// One line with file and place: missing, empty, cut off, of another
     /// format, without gyroscope or accelerometer, with time stamps that go
     /// back or values that no sensor gives, under 1 s or over 4 h, under 20 Hz,
-    /// or (CSV and [`Rotate::Auto`]) with axes that cannot be told.
+    /// or (CSV and [`Rotate::Auto`]) with axes that cannot be found out.
     pub fn read(path: &Path, rotate: Rotate) -> Result<Self, FlightError> {
         let name = path
             .file_name()

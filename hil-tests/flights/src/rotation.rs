@@ -139,7 +139,7 @@ pub enum Rotate {
     /// `roll180` where the flight shows that the log's z axis points up.
     #[default]
     Auto,
-    /// This one, whatever the log looks like.
+    /// This one, without a look at the log.
     Named(Rotation),
 }
 

@@ -16,7 +16,7 @@ const LOG: &str = "test_data/sample.ulg";
 /// Where the log of the default flight is on this machine.
 ///
 /// # Errors
-/// One line, where cargo cannot tell or the log is not there.
+/// One line, where cargo fails or the log is not there.
 pub fn sample_flight() -> Result<PathBuf, FlightError> {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
     locate(&manifest).map_err(|fault| fault.in_file(&manifest))

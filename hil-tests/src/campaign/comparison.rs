@@ -193,7 +193,7 @@ pub struct Cell {
     pub pairs: usize,
     /// Crashes of the first and of the second of each pair.
     pub crashes: [usize; 2],
-    /// Improvement in % over pairs in which nobody crashed; positive is better.
+    /// Improvement in % over pairs without a crash; positive is better.
     pub improvement_percent: BTreeMap<Metric, Interval>,
 }
 
@@ -347,7 +347,7 @@ fn one([environment, airframe, logic]: [&str; 3], pairs: &[Pair<'_>]) -> Cell {
     }
 }
 
-/// The improvement over some pairs; those in which somebody crashed have none.
+/// The improvement over some pairs; those with a crash have none.
 #[must_use]
 pub fn improvement(metric: Metric, pairs: &[Pair<'_>]) -> Option<Interval> {
     let values = pairs

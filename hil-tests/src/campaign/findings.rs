@@ -1,4 +1,4 @@
-//! What a campaign came to: every number that the report and `--json` tell.
+//! The findings of a campaign: every number of the report and of `--json`.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,7 +15,7 @@ use super::role::Role;
 use super::sortie::{Sortie, Tier};
 use super::tuning::{self, Tuning};
 
-/// Everything, of whatever has been flown so far.
+/// Everything, over the flights that have been flown so far.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Findings {
     /// Name of the plan.
@@ -30,7 +30,7 @@ pub struct Findings {
     pub hours: ByTier<f64>,
     /// Flights, by tier.
     pub flights: ByTier<usize>,
-    /// Runs of the firmware, each of which came to the host's command bit by bit.
+    /// Runs of the firmware, each of which gave the host's command bit by bit.
     pub equal_runs: u64,
     /// Flights that ended before their time, in words.
     pub crashes: Vec<String>,
@@ -77,7 +77,7 @@ pub struct Swept {
     pub cell: comparison::Cell,
 }
 
-/// What the flights of one cell in one role come to.
+/// Means over the flights of one cell in one role.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Means {
     /// Name of the environment.

@@ -50,7 +50,7 @@ pub struct Ways {
 pub struct Landed {
     /// What was flown.
     pub job: Job,
-    /// What came of it.
+    /// Its report.
     pub report: FlightReport,
 }
 
@@ -62,7 +62,7 @@ struct Line {
     entry: Entry,
 }
 
-/// What a line tells.
+/// What a line holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Entry {
@@ -70,7 +70,7 @@ enum Entry {
     Ways(Vec<Ways>),
 }
 
-/// Everything that the journals of a folder tell.
+/// Everything that the journals of a folder hold.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Records {
     /// Finished flights, in order.
@@ -144,7 +144,7 @@ impl Records {
     /// With a stamp all lines must carry that one, without any they must carry the same.
     ///
     /// # Errors
-    /// A file that cannot be read, a line of another stamp or none at all, two lines that tell of
+    /// A file that cannot be read, a line of another stamp or none at all, two lines about
     /// one flight in different ways: file and line are named.
     pub fn read(folder: &Path, stamp: Option<&Stamp>) -> Result<Self, Refusal> {
         let mut records = Self {

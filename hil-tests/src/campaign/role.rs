@@ -82,7 +82,7 @@ impl Strain {
         }
     }
 
-    /// What a flight is told of it.
+    /// The option of a flight that stands for it.
     pub(super) fn stress(self) -> Stress {
         let none = Stress::default();
         match self {

@@ -15,7 +15,7 @@ use crate::closed_loop::{FlyOptions, Mission, Stress};
 use crate::logics::LogicName;
 pub use crate::scoring::Tier;
 
-/// The scored part begins here, s from take-off, whoever flies.
+/// The scored part begins here in every role, s from take-off.
 pub const SCORED_FROM_S: u32 = 15;
 /// The same in hovering flights.
 pub const HOVERS_FROM_S: u32 = 10;
@@ -26,7 +26,7 @@ const OBSERVER: &str = "observer";
 /// Below 11 Hz the failsafe would run control in its place.
 pub const PERIODS_US: [u64; 2] = [1_000, 90_909];
 
-/// A flight of a plan: what comes of it follows from this and [`Job::period_us`].
+/// A flight of a plan: its report follows from this and [`Job::period_us`].
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Sortie {
     /// What flies.
@@ -98,7 +98,7 @@ impl fmt::Display for Sortie {
 }
 
 impl Job {
-    /// What the flight is told.
+    /// The options of the flight.
     ///
     /// # Errors
     /// A logic of an unknown name, settings out of their ranges.

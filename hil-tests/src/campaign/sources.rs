@@ -1,6 +1,6 @@
 //! Fingerprint of the sources that a flight depends on.
 //!
-//! Flights of different sources are not comparable. What only tells of flights, figures and
+//! Flights of different sources are not comparable. What only reports flights, figures and
 //! reports, may change between a campaign and its report.
 
 use std::fs;
@@ -24,8 +24,8 @@ const DEPENDED_ON: [&str; 10] = [
     "settings/src",
     "src",
 ];
-/// Folders within these that only tell of flights, or that test.
-const TOLD_BY: [&str; 9] = [
+/// Folders within these that only report flights, or that test.
+const REPORTING: [&str; 9] = [
     "hil-tests/src/campaign",
     "hil-tests/src/commands",
     "hil-tests/src/costs",
@@ -68,7 +68,10 @@ pub fn fingerprint() -> Result<String> {
 fn gather(root: &Path, name: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
     let path = root.join(name);
     if path.is_dir() {
-        if TOLD_BY.iter().any(|told| name == Path::new(told)) {
+        if REPORTING
+            .iter()
+            .any(|reporting| name == Path::new(reporting))
+        {
             return Ok(());
         }
         for entry in fs::read_dir(&path).with_context(|| name.display().to_string())? {

@@ -39,7 +39,7 @@ fn options(folder: &TempDir, plan: Plan, report_only: bool) -> CampaignOptions {
     }
 }
 
-/// A crew that flies nothing but counts, and stops where it is told to.
+/// A crew that only counts the flights, and stops after a number of them.
 struct Pretended {
     flown: Vec<Job>,
     most: usize,

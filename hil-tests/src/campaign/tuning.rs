@@ -61,7 +61,7 @@ pub fn reactive_rate_hz(plan: &Plan, records: &Records, cell: &Sortie) -> Option
     (!rates.is_empty()).then(|| rates.iter().sum::<f64>() / rates.len() as f64)
 }
 
-/// What came of it in every cell that is tuned.
+/// The bandwidths of every cell that is tuned.
 #[must_use]
 pub fn all(plan: &Plan, records: &Records) -> Vec<Tuning> {
     if plan.tuned_seeds == 0 {

@@ -1,7 +1,7 @@
 //! The emulated tier in closed loop: unmodified firmware, checked by the host.
 //!
 //! Every call of the firmware is made again on a native autopilot as soon as it is known, and must
-//! come to the same command bit by bit; at the end every timer register must have held it.
+//! compute the same command bit by bit; at the end every timer register must have held it.
 
 use std::num::NonZeroU64;
 use std::sync::Arc;
@@ -71,7 +71,7 @@ impl EmulatedTier {
         })
     }
 
-    /// Makes the calls that are new; each run must come to the same bits.
+    /// Makes the calls that are new; each run must give the same bits.
     fn mirror(&mut self) -> Result<()> {
         self.observation.check()?;
         for stamped in &self.observation.calls[self.mirrored..] {

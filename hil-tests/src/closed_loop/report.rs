@@ -1,4 +1,4 @@
-//! What a simulated flight came to, as JSON and as text.
+//! The report of a simulated flight, as JSON and as text.
 
 use anyhow::Result;
 use schemars::JsonSchema;

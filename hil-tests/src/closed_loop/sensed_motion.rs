@@ -1,4 +1,4 @@
-//! What the chips sense of a simulated flight: its newest few milliseconds.
+//! A simulated flight as the chips see it: its newest few milliseconds.
 //!
 //! Chips ask for the past, as their filters delay, and while a bus transfer is played for up to
 //! half a millisecond of the future, which is taken to be like the newest present.

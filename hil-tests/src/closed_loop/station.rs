@@ -36,7 +36,7 @@ const STREAM: u64 = 0x5354_4154;
 /// A ground station that watches one flight.
 pub(super) struct Station {
     tracking: Tracking,
-    /// For control logics that are told an attitude.
+    /// For control logics that fly attitudes.
     outer: Option<OuterLoop>,
     noise: ChaCha8Rng,
     /// Reports sent so far.
@@ -47,7 +47,7 @@ pub(super) struct Station {
 }
 
 impl Station {
-    /// One whose drone flies to places by itself, or is told attitudes.
+    /// One whose drone flies to goals by itself, or takes attitudes.
     pub(super) fn new(flies_to_goals: bool, tracking: &Tracking, seed: u64) -> Self {
         let mut noise = ChaCha8Rng::seed_from_u64(seed);
         noise.set_stream(STREAM);
@@ -188,7 +188,7 @@ mod tests {
         noise_m_s: 0.0,
     };
 
-    /// What a drone at rest is told in its first seconds, with the instants in ms.
+    /// The messages to a drone at rest in its first seconds, with the instants in ms.
     fn told(flies_to_goals: bool, seconds: u64) -> Vec<(u64, Message)> {
         let mut station = Station::new(flies_to_goals, &TRACKING, 1);
         let target = Course::new(Mission::Hover, 1.0, 1).target();

@@ -42,7 +42,7 @@ pub(super) trait Tier {
     /// The offset of the timers' update events from whole periods, ns.
     fn update_offset_ns(&self) -> u64;
 
-    /// The soonest that a command which is not given yet may apply, ns; 0 where nobody knows.
+    /// The soonest that a command which is not given yet may apply, ns; 0 where it is unknown.
     fn soonest_command_ns(&self) -> u64;
 
     /// Ends the flight; what the processor did from an instant on, where there is one, and the

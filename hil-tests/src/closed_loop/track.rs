@@ -1,4 +1,4 @@
-//! A flight over time, for whoever looks at one.
+//! A flight over time, to look at.
 
 use nalgebra::Vector3;
 

@@ -10,7 +10,7 @@ use crate::progress::Progress;
 
 /// Parts of a bar, so that its position may be any number.
 const PARTS: u64 = 1000;
-/// Steps in which a log that is no terminal is told, in parts.
+/// Steps in which progress is written to a log that is no terminal, as shares.
 const SPOKEN: u64 = 250;
 
 /// Progress on stderr; stdout stays for the result.
@@ -73,7 +73,7 @@ impl Progress for Bar {
     }
 }
 
-/// Progress is best effort: where nobody can hear it, the work goes on.
+/// Progress is best effort: where it cannot be written, the work continues.
 fn say(text: &str) {
     let _ = std::io::stderr().write_all(text.as_bytes());
 }

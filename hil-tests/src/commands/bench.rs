@@ -10,7 +10,7 @@ use crate::costs::{Costs, measure};
 use crate::progress::Progress;
 use recorded_flights::{Flight, Rotate};
 
-/// How the costs are told.
+/// How the costs are printed.
 #[derive(Clone, Debug, Args)]
 pub(super) struct BenchArguments {
     /// Recorded flights, whose runs every control logic is measured on too

@@ -1,4 +1,4 @@
-//! The arguments of `cargo hil replay`, and which of them make sense together.
+//! The arguments of `cargo hil replay`, and which of them go together.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ use crate::replay::options::ReplayOptions;
 use crate::sweep::{Parameter, SweepOptions};
 use recorded_flights::Rotate;
 
-/// What a replay is told. Defaults are those of `config/`; no option needs a rebuild.
+/// The options of a replay. Defaults are those of `config/`; no option needs a rebuild.
 #[derive(Clone, Debug, Default, Args)]
 pub(super) struct ReplayArguments {
     /// Recorded flight, ULog or CSV, or a folder of them with --sweep [default: the one that comes with the crate ulog-rs]
@@ -57,7 +57,7 @@ enum NoiseName {
 }
 
 impl ReplayArguments {
-    /// The options, once every mix of arguments is known to make sense.
+    /// The options, once every mix of arguments is checked.
     ///
     /// # Errors
     /// The first mix or value that does not, with the option's name and its range.

@@ -71,7 +71,7 @@ fn help(setting: &'static Setting) -> String {
 }
 
 impl SettingsArguments {
-    /// The settings, once every mix of arguments is known to make sense.
+    /// The settings, once every mix of arguments is checked.
     ///
     /// # Errors
     /// The first mix or value that does not, with the option's name and its range.

@@ -13,7 +13,7 @@ const MOST_VALUES: usize = 100;
 /// The grid that a text names.
 ///
 /// # Errors
-/// The first part that makes no sense, with what would.
+/// The first part that is refused, with what would be accepted.
 pub(crate) fn grid(text: &str) -> Result<Grid, String> {
     let axes: Result<Vec<Axis>, String> = text.split(',').map(axis).collect();
     Grid::new(axes?)

@@ -35,8 +35,8 @@ const HANDLERS: [(&str, &str); 14] = [
 /// Numbers of those on the way from the interrupt to the motors.
 const INTERRUPT: usize = 0;
 const END_OF_WAY: usize = 3;
-/// Handlers that are told of.
-const TOLD: usize = 4;
+/// Handlers that the table has rows of.
+const LISTED: usize = 4;
 
 /// What happens at a watched address.
 #[derive(Clone, Copy, Debug)]
@@ -184,7 +184,7 @@ impl Watcher {
     }
 
     fn parts(&self) -> Vec<Cost> {
-        let handlers = HANDLERS.iter().zip(&self.own).take(TOLD);
+        let handlers = HANDLERS.iter().zip(&self.own).take(LISTED);
         let mut parts: Vec<Cost> = handlers
             .map(|((handler, what), own)| {
                 Cost::of(&format!("{handler}, {what}"), own.clone(), None, CORE_HZ)

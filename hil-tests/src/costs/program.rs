@@ -85,7 +85,7 @@ impl Program {
     }
 }
 
-/// Chips that nobody talks to.
+/// Chips that the program leaves alone.
 pub(crate) fn at_rest() -> Sensors {
     let source: Arc<dyn StimulusSource> = Arc::new(|_| Stimulus::default());
     Sensors::from(&SharedChips::feeling(&source, ChipOptions::default()))

@@ -1,4 +1,4 @@
-//! Every logic comes to the same bits in every way, on every recorded flight.
+//! Every logic gives the same bits in every way, on every recorded flight.
 
 mod emulated;
 mod whole;

@@ -37,7 +37,7 @@ pub struct ValueData {
     pub reads: Vec<ReadData>,
     /// The input that clocks a state.
     pub clock: Option<&'static str>,
-    /// The change from which on others are told; none where any change counts.
+    /// The smallest change that reaches its readers; none where any change counts.
     pub quantum: Option<f32>,
     /// Largest update rate, leaving aside the failsafe.
     pub most_updates_hz: f64,

@@ -1,4 +1,4 @@
-//! The picture in Graphviz's language: `dot -Tsvg`, or whatever else reads it.
+//! The picture in Graphviz's language: `dot -Tsvg`, or another reader.
 
 use std::fmt::Write;
 
@@ -37,7 +37,7 @@ pub fn dot(graph: &Description) -> String {
 }
 
 fn push(text: &mut String, statement: &str) {
-    // A string takes whatever is written.
+    // Writing to a string cannot fail.
     let _ = writeln!(text, "    {statement};");
 }
 

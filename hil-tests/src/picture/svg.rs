@@ -234,7 +234,7 @@ impl RenderBackend for Canvas {
             } else {
                 ""
             };
-            // A string takes whatever is written.
+            // Writing to a string cannot fail.
             let _ = writeln!(
                 self.boxes,
                 "<text x=\"{:.1}\" y=\"{y:.1}\" text-anchor=\"middle\"{weight}>{}</text>",

@@ -77,7 +77,7 @@ impl Panel {
         points.filter(|point| self.place(point).is_some())
     }
 
-    /// Whatever of the points the y axis is to show.
+    /// The heights that the y axis is to show: points, ends of intervals, the foot of bars.
     fn heights(&self) -> impl Iterator<Item = f64> {
         let bars = self
             .curves

@@ -1,4 +1,4 @@
-//! What a replay may be told, once it is known to make sense.
+//! The options of a replay, checked.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! A fingerprint of everything the motors were told, and when.
+//! A fingerprint of all motor commands and their instants.
 
 use sha2::{Digest, Sha256};
 

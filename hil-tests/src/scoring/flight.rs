@@ -15,7 +15,7 @@ pub type Command = MotorShares;
 pub struct Run {
     /// Why control ran.
     pub reason: Reason,
-    /// Whether a trigger had asked for it, whatever the reason.
+    /// Whether a trigger had asked for it, for this or another reason.
     pub asked: bool,
     /// The probability of a changed command by the models that asked; `None` without one.
     pub expected: Option<f32>,

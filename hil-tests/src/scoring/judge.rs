@@ -9,7 +9,7 @@
 //!   which a change is still open are `StillMissed`; one where it has gone is a true negative.
 //! - A hyperperiod is `Outside` when control ran there time-triggered (warm-up, periodic,
 //!   fallback, ground), where no model's word decides, or by exploration or for a setpoint
-//!   that no trigger joined: what came of those says nothing about a model. Failsafe runs are
+//!   that no trigger joined: their outcome says nothing about a model. Failsafe runs are
 //!   inside: every model said no.
 //! - *Failsafe-changed*: a failsafe run that moved some motor by a quantum or more while no
 //!   trigger had asked.

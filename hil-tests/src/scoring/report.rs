@@ -15,7 +15,7 @@ pub struct Report {
     /// What was replayed, how, and on what.
     #[serde(flatten)]
     pub run: RunReport,
-    /// What came of it.
+    /// How well control did.
     #[serde(flatten)]
     pub score: Score,
 }
@@ -127,7 +127,7 @@ pub struct Firmware {
     pub stack_bytes: u64,
 }
 
-/// What a sensor's model came to.
+/// The state of a sensor's model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ModelState {
@@ -170,7 +170,7 @@ pub struct Sensor {
     pub interrupts: u64,
     /// Runs that it asked for, alone or with others.
     pub triggers: u64,
-    /// What its model came to.
+    /// The state of its model.
     pub state: ModelState,
     /// The change above which it asks for a run, in `unit`; null without a model.
     pub threshold: Option<f64>,

@@ -55,7 +55,7 @@ pub struct Actuators {
     pub saturated_fraction: Option<f64>,
 }
 
-/// What the models expected of the runs that they asked for, and what came of those.
+/// What the models expected of the runs that they asked for, and how many of those changed the command.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Calibration {
     /// Runs that a model asked for.

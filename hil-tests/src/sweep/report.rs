@@ -1,4 +1,4 @@
-//! What came of a sweep: every score, medians over the logs, and what was left out.
+//! The result of a sweep: scores, medians over logs, and what was left out.
 
 use anyhow::Result;
 use reflex::settings::Settings;
@@ -44,7 +44,7 @@ pub struct SweepPoint {
     /// Where in the grid.
     #[serde(flatten)]
     pub at: At,
-    /// What came of it; deviations are in this point's quanta.
+    /// Its score; deviations are in this point's quanta.
     #[serde(flatten)]
     pub score: Score,
 }

@@ -164,7 +164,7 @@ impl Counter {
     }
 }
 
-/// Interrupts beside the software's counter, until the registers are too coarse to tell.
+/// Interrupts beside the software's counter, until the registers are too coarse for a difference.
 fn count_out(motion: MotionDetector, stream: (Kind, u64)) -> (u32, u32) {
     let config = ImuConfig {
         motion: Some(motion),

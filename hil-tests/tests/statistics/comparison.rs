@@ -8,7 +8,7 @@ use super::maximum_likelihood::{Likeliest, Model, Sample, likeliest};
 /// Probabilities at which thresholds are compared.
 pub(super) const P_RUNS: [f64; 8] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9];
 
-/// What a comparison came to.
+/// The result of a comparison.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Outcome {
     /// The largest `|L(x*) - P_run|`, with the library's `L`, over all `P_RUNS`.
@@ -17,9 +17,9 @@ pub(super) enum Outcome {
     /// bins can see: how far `x*` misses the gap between them, or the library's own, at most, as
     /// a share of the change there.
     Misses(f64),
-    /// The firmware made no model: too few labels, or none that tell anything.
+    /// The firmware made no model: too few labels, or none with information.
     NoModel,
-    /// The library did not come to the maximum.
+    /// The library did not find the maximum.
     Unknown,
 }
 

@@ -26,7 +26,7 @@ pub(super) enum Likeliest {
         below: f64,
         above: f64,
     },
-    /// The library did not come to the maximum.
+    /// The library did not find the maximum.
     Unknown,
 }
 

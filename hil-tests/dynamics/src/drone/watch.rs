@@ -27,7 +27,7 @@ pub(super) struct Watch {
 impl Watch {
     /// Looks at the end of a step of `dt` seconds.
     pub(super) fn see(&mut self, state: &State, touch: Touch, dt: f64) {
-        // Cosines: the angle itself is worked out only when it is told.
+        // Cosines: the angle itself is computed only for a report.
         let upright = state.uprightness();
         let hard = touch.impact > HARDEST_LANDING;
         if self.crash.is_none() && touch.any && (hard || upright < LARGEST_TILT.cos()) {

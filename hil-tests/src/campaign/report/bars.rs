@@ -6,7 +6,7 @@ use crate::plot::{Axis, Curve, Look, Marker, Panel, Point, Scale};
 
 /// Colours of environments where airframes are in the same figure.
 pub const OTHERS: [(u8, u8, u8); 3] = [(130, 80, 170), (213, 94, 0), (60, 60, 60)];
-/// Colours of airframes and whatever else is alone.
+/// Colours of airframes, and of curves of one kind alone.
 pub const COLOURS: [(u8, u8, u8); 4] =
     [(0, 90, 160), (230, 159, 0), (0, 145, 105), (170, 170, 170)];
 /// Where the paper's numbers are drawn.
@@ -16,7 +16,7 @@ const TOGETHER: f64 = 0.75;
 /// The same in the figure's units, of a whole panel.
 const PANEL: f64 = 440.0;
 
-/// The value of a bar: environment and airframe tell which.
+/// The value of the bar of an environment and an airframe.
 pub type Value<'v> = &'v dyn Fn(&str, &str) -> Option<Interval>;
 
 /// A panel; `range` is what the paper found, drawn as two lines.

@@ -127,8 +127,8 @@ fn effort(findings: &Findings) -> Markup {
 }
 
 fn crashes(findings: &Findings) -> Markup {
-    /// Crashes that are told one by one.
-    const TOLD: usize = 50;
+    /// Most crashes that are listed one by one.
+    const MOST_LISTED: usize = 50;
     let count = findings.crashes.len();
     html! {
         @if count == 0 {
@@ -141,8 +141,8 @@ fn crashes(findings: &Findings) -> Markup {
             details {
                 summary { "Which" }
                 ul {
-                    @for line in findings.crashes.iter().take(TOLD) { li { (line) } }
-                    @if count > TOLD { li { "and " (count - TOLD) " more, in flights.parquet" } }
+                    @for line in findings.crashes.iter().take(MOST_LISTED) { li { (line) } }
+                    @if count > MOST_LISTED { li { "and " (count - MOST_LISTED) " more, in flights.parquet" } }
                 }
             }
         }

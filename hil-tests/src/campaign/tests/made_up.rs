@@ -1,4 +1,4 @@
-//! Flights that nobody flew, for tests.
+//! Flights that were never flown, for tests.
 
 use crate::campaign::journal::{Landed, Stamp, flight_line};
 use crate::campaign::role::Role;
@@ -12,7 +12,7 @@ pub(in crate::campaign) fn stamp() -> Stamp {
     Stamp::new("smoke", SOURCES.into())
 }
 
-/// A flight that nobody flew.
+/// A flight that was never flown.
 pub(in crate::campaign) fn landed(role: Role, seed: u32, pitch: f64) -> Landed {
     let sortie = Sortie {
         tier: Tier::Native,

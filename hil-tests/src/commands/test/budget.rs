@@ -21,7 +21,7 @@ struct Budget {
 
 /// Replays the default flight with every control logic and compares what the firmware took.
 ///
-/// A replay also shows that firmware and host come to the same commands.
+/// A replay also shows that firmware and host compute the same commands.
 pub(super) fn check(progress: &mut dyn Progress) -> Result<()> {
     let file = toolchain::root().join("hil-tests/budget.toml");
     let text = std::fs::read_to_string(&file).with_context(|| file.display().to_string())?;

@@ -97,7 +97,7 @@ fn image(logic: u32, steps: &[Step]) -> Vec<u8> {
         .collect()
 }
 
-/// What the host comes to, in the words of the core: steps, by the clock, ours.
+/// The host's results, as the core writes them: steps, by the clock, ours.
 fn digests_of_host(name: LogicName, steps: &[Step]) -> Vec<String> {
     let [mut time_triggered, mut ours, ..] = ways(name);
     let mut digests = [CommandDigest::new(); 2];

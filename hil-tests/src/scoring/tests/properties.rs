@@ -200,7 +200,7 @@ proptest! {
     fn the_oracle_never_waits_longer_than_the_failsafe_interval(
         lengths_us in prop::collection::vec(500..30_000_u64, 1..300)
     ) {
-        // Each reference occurs once, so that what is held tells when it was taken.
+        // Each reference occurs once, so that a held command shows when it was taken.
         let mut flight = after_warm_up(0.0);
         for (index, length_us) in (1_u16..).zip(&lengths_us) {
             let reference = f32::from(index) / 1024.0;
