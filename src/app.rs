@@ -23,13 +23,12 @@ use crate::control::Setpoint;
 use crate::estimate::{Motion, Place};
 use crate::graph::{ControlLogic, Flown};
 use crate::link::{Answer, Destination, ExternalPose, Message};
-use crate::math::{Vec3, wrapped};
+use crate::math::wrapped;
 use crate::reactive::{FallbackReason, Fit, PhaseEvent, Reactive, Refit, RefitJob, Review, Run};
 use crate::safety::{Arming, ArmingEvent, MotorOutput, Passed, Refusal, Safety};
-use crate::sensors::{Cause, ImuReading, Input, Inputs};
+use crate::sensors::{ChipSample, ImuReading, Input, Inputs};
 use crate::settings::Settings;
 use crate::time::Instant;
-use crate::units::{MagneticField, SpecificForce};
 use chips::Chips;
 use demand::{Demand, Flight};
 use record::Record;
@@ -73,7 +72,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             reactive: Reactive::new(&settings),
             graph,
             safety: Safety::new(motors),
-            chips: Chips::default(),
+            chips: Chips::new(&settings),
             record: Record::new(recorder),
         }
     }
@@ -271,7 +270,10 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         if self.sensing.notice_silence(now) {
             self.on_imu_silent();
         }
-        self.check_chips(now);
+        for input in self.chips.notice_silence(now).iter() {
+            self.record.fault(Fault::silent(input));
+            self.on_chip_lost(input);
+        }
         let armed = self.safety.is_armed();
         if let Some((flight, event)) = self.demand.after_silence(now, armed, &self.graph) {
             self.fly(now, flight);
@@ -290,35 +292,52 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
 
     // The chips that compare.
 
-    /// A sample of the accelerometer that compares; `at` is the stamp of its interrupt.
-    pub fn on_chip_accel(&mut self, at: Instant, force: SpecificForce, cause: Cause) -> Next {
-        self.record.call(at, Call::ChipAccel(force, cause));
-        if self.chips.accel.on_sample(at, force.0) {
-            self.record.fault(Fault::AccelStuck);
-            self.on_chip_lost(Input::ChipAccel);
+    /// A sample of a chip with a clock of its own; `at` is the stamp of its interrupt.
+    pub fn on_chip(&mut self, at: Instant, sample: &ChipSample) -> Next {
+        self.record.call(at, Call::Chip(*sample));
+        if self.chips.on_sample(at, sample) {
+            self.record.fault(Fault::stuck(sample.input));
+            self.on_chip_lost(sample.input);
         }
-        self.on_chip_sample(at, Input::ChipAccel, force.0, cause)
-    }
-
-    /// A sample of the magnetometer that compares; `at` is the stamp of its interrupt.
-    pub fn on_chip_mag(&mut self, at: Instant, field: MagneticField, cause: Cause) -> Next {
-        self.record.call(at, Call::ChipMag(field, cause));
-        if self.chips.mag.on_sample(at, field.0) {
-            self.record.fault(Fault::MagStuck);
-            self.on_chip_lost(Input::ChipMag);
+        if sample.input == Input::ChipMag && self.chips.delivering().contains(Input::ChipMag) {
+            self.sensing
+                .take_field(at, sample.axes, self.graph.estimate());
         }
-        if !self.chips.mag.is_stuck() {
-            self.sensing.take_field(at, field.0, self.graph.estimate());
-        }
-        self.on_chip_sample(at, Input::ChipMag, field.0, cause)
-    }
-
-    fn on_chip_sample(&mut self, at: Instant, input: Input, sample: Vec3, cause: Cause) -> Next {
         let (record, command) = (&mut self.record, self.safety.applied());
         self.reactive
-            .take_sample(at, input, (sample, cause), command, |input, label| {
+            .take_sample(at, sample, command, |input, label| {
                 record.label(input, label);
             })
+    }
+
+    /// The next order for a chip, where one is due; the board reports when it is done.
+    pub fn next_order(&mut self) -> Option<ChipOrder> {
+        self.chips.next_order(self.record.clock())
+    }
+
+    /// The board carried an order out, or could not.
+    pub fn on_order_done(
+        &mut self,
+        at: Instant,
+        order: ChipOrder,
+        result: Result<ChipSetting, OrderError>,
+    ) {
+        self.record.call(at, Call::OrderDone(order, result));
+        let Some(failures) = self.chips.on_order_done(at, &order, result) else {
+            return;
+        };
+        match (order.action, result) {
+            (ChipAction::DataReady | ChipAction::Threshold(_), Ok(setting)) => {
+                self.record.event(Event::Programmed(order.input, setting));
+            }
+            (_, Ok(_)) => {}
+            (_, Err(error)) => {
+                if failures.is_power_of_two() {
+                    self.record.event(Event::OrderFailed(order, error));
+                }
+                self.record.fault(Fault::ChipBus);
+            }
+        }
     }
 
     /// A chip fell silent or repeats itself: what its model knew is missing from now on.
@@ -459,6 +478,12 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             }
         };
         self.move_phase(event);
+    }
+
+    /// The chips compare with the thresholds of the models.
+    fn want_thresholds(&mut self) {
+        self.chips
+            .want(|input| self.reactive.threshold_for_chip(input));
     }
 
     fn move_phase(&mut self, event: PhaseEvent) {

@@ -50,9 +50,9 @@ use crate::airframe::MotorShares;
 use crate::config::{AEROBATICS, REFIT_INTERVAL};
 use crate::control::{Goal, Setpoint};
 use crate::math::Vec3;
-use crate::sensors::{Cause, Input, Inputs};
+use crate::sensors::{Cause, ChipSample, Input, Inputs};
 use crate::settings::{Reference, Settings};
-use crate::time::{Duration, Instant, span};
+use crate::time::{Instant, span};
 use hyperperiod::GATES;
 use judgement::Judgement;
 use learners::Learners;
@@ -158,16 +158,16 @@ impl Reactive {
     pub fn take_sample(
         &mut self,
         at: Instant,
-        input: Input,
-        (sample, cause): (Vec3, Cause),
+        sample: &ChipSample,
         command: &MotorShares,
         tell: impl FnMut(Input, &Label),
     ) -> Next {
+        let ChipSample { input, axes, cause } = *sample;
         if cause == Cause::Rearm {
-            self.learners.rearm(input, sample);
+            self.learners.rearm(input, axes);
             return Next::Wait;
         }
-        let crossed = self.learners.calls(input, sample);
+        let crossed = self.learners.calls(input, axes);
         // Where the chip compared, its comparison decides.
         if crossed || cause == Cause::Threshold {
             self.schedule.ask(input);
@@ -247,12 +247,6 @@ impl Reactive {
     #[must_use]
     pub fn deadline(&self) -> Instant {
         self.schedule.deadline()
-    }
-
-    /// The longest time between runs.
-    #[must_use]
-    pub fn failsafe(&self) -> Duration {
-        self.schedule.failsafe()
     }
 
     /// Runs since start.

@@ -2,6 +2,7 @@
 //!
 //! Counts and their scales are the drivers' own: nothing here knows a chip.
 
+use crate::math::Vec3;
 use crate::time::Instant;
 use crate::units::{BodyRates, SpecificForce};
 
@@ -38,6 +39,17 @@ impl Cause {
         .get(usize::from(number))
         .copied()
     }
+}
+
+/// A sample of a chip with a clock of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChipSample {
+    /// Which input it is of.
+    pub input: Input,
+    /// Three axes of the body, in the unit of the input.
+    pub axes: Vec3,
+    /// Why it was fetched.
+    pub cause: Cause,
 }
 
 /// What the inertial sensor measured at one instant.

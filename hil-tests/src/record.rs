@@ -7,10 +7,12 @@
 
 mod alignment;
 mod call_stream;
+mod looks;
 mod mirror;
 pub(crate) mod motor_timers;
 mod observation;
 
 pub(crate) use alignment::{AlignedRun, Alignment};
+pub(crate) use looks::{ChipState, Look, OfChips, samples_since};
 pub(crate) use mirror::Mirror;
 pub(crate) use observation::{DecodedLog, HANDLERS, Observation};

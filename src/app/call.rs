@@ -12,9 +12,8 @@ use crate::airframe::MotorShares;
 use crate::graph::ControlLogic;
 use crate::link::Message;
 use crate::reactive::{Fit, Label, Refit};
-use crate::sensors::{Cause, ImuReading, Input, Inputs};
+use crate::sensors::{ChipSample, ImuReading, Input, Inputs};
 use crate::time::{Instant, at_micros};
-use crate::units::{MagneticField, SpecificForce};
 
 mod codec;
 mod ring;
@@ -30,10 +29,8 @@ pub const LONGEST_RECORD: usize = 80;
 pub enum Call {
     /// `on_imu`
     Imu(ImuReading),
-    /// `on_chip_accel`
-    ChipAccel(SpecificForce, Cause),
-    /// `on_chip_mag`
-    ChipMag(MagneticField, Cause),
+    /// `on_chip`
+    Chip(ChipSample),
     /// `on_message`
     Message(Message),
     /// `on_fault`
@@ -113,10 +110,10 @@ impl Stamped {
         out.put(self.at.ticks().to_le_bytes());
         match &self.call {
             Call::Imu(reading) => out.reading(reading),
-            Call::ChipAccel(SpecificForce(sample), cause)
-            | Call::ChipMag(MagneticField(sample), cause) => {
-                out.vector(*sample);
-                out.byte(*cause as u8);
+            Call::Chip(sample) => {
+                out.byte(sample.input as u8);
+                out.vector(sample.axes);
+                out.byte(sample.cause as u8);
             }
             Call::Message(message) => out.message(message),
             Call::Fault(fault) => out.byte(*fault as u8),
@@ -147,15 +144,18 @@ impl Stamped {
         let at = at_micros(u64::from_le_bytes(from.take()?));
         let call = match kind {
             1 => Call::Imu(from.reading()?),
-            2 => Call::ChipAccel(SpecificForce(from.vector()?), from.cause()?),
-            3 => Call::ChipMag(MagneticField(from.vector()?), from.cause()?),
-            4 => Call::Message(from.message()?),
-            5 => Call::Fault(from.choice(Fault::from_number)?),
-            6 => Call::Hyperperiod,
-            7 => Call::Timer,
-            8 => Call::OrderDone(from.order()?, from.result()?),
-            9 => Call::Refit(from.refit()?),
-            10 => Call::Ran(Ran {
+            2 => Call::Chip(ChipSample {
+                input: from.choice(Input::from_number)?,
+                axes: from.vector()?,
+                cause: from.cause()?,
+            }),
+            3 => Call::Message(from.message()?),
+            4 => Call::Fault(from.choice(Fault::from_number)?),
+            5 => Call::Hyperperiod,
+            6 => Call::Timer,
+            7 => Call::OrderDone(from.order()?, from.result()?),
+            8 => Call::Refit(from.refit()?),
+            9 => Call::Ran(Ran {
                 reason: from.choice(Reason::from_number)?,
                 asked: Inputs::from_bits(from.byte()?),
                 expected: Some(from.float()?).filter(|expected| !expected.is_nan()),
@@ -176,8 +176,7 @@ impl Call {
     ) {
         match self {
             Self::Imu(reading) => drop(autopilot.on_imu(at, reading)),
-            Self::ChipAccel(force, cause) => drop(autopilot.on_chip_accel(at, *force, *cause)),
-            Self::ChipMag(field, cause) => drop(autopilot.on_chip_mag(at, *field, *cause)),
+            Self::Chip(sample) => drop(autopilot.on_chip(at, sample)),
             Self::Message(message) => drop(autopilot.on_message(at, message)),
             Self::Fault(fault) => autopilot.on_fault(at, *fault),
             Self::Hyperperiod => drop(autopilot.on_hyperperiod(at)),
@@ -192,15 +191,14 @@ impl Call {
 fn kind(call: &Call) -> u8 {
     match call {
         Call::Imu(_) => 1,
-        Call::ChipAccel(..) => 2,
-        Call::ChipMag(..) => 3,
-        Call::Message(_) => 4,
-        Call::Fault(_) => 5,
-        Call::Hyperperiod => 6,
-        Call::Timer => 7,
-        Call::OrderDone(..) => 8,
-        Call::Refit(_) => 9,
-        Call::Ran(_) => 10,
+        Call::Chip(_) => 2,
+        Call::Message(_) => 3,
+        Call::Fault(_) => 4,
+        Call::Hyperperiod => 5,
+        Call::Timer => 6,
+        Call::OrderDone(..) => 7,
+        Call::Refit(_) => 8,
+        Call::Ran(_) => 9,
     }
 }
 

@@ -5,13 +5,11 @@
 //! rounds them, and its answer says which thresholds the setting serves. Orders are given one at
 //! a time per chip, are read back by the board, and are repeated while they fail.
 
-use super::{
-    Autopilot, Call, ChipAction, ChipOrder, ChipSetting, Event, Fault, OrderError, Recorder,
-};
-use crate::config::{CHIP_ACCEL, CHIP_MAG};
-use crate::graph::ControlLogic;
+use super::door::{ChipAction, ChipOrder, ChipSetting, OrderError};
+use crate::config::of_input;
 use crate::math::Vec3;
-use crate::sensors::{Input, Inputs};
+use crate::sensors::{ChipSample, Input, Inputs};
+use crate::settings::Settings;
 use crate::time::{Duration, Instant, micros, span};
 
 /// A sample that repeats this often, bit by bit, comes from a chip that is stuck.
@@ -46,7 +44,7 @@ impl Mode {
 
 /// One chip.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Chip {
+struct Chip {
     wanted: Mode,
     /// What was ordered last, and the chip's answer; `None` where it is not known.
     programmed: Option<(Mode, ChipSetting)>,
@@ -58,16 +56,9 @@ pub(super) struct Chip {
     seen: Instant,
     /// When its threshold was last read back.
     checked: Instant,
-    silence_told: bool,
+    silence_noticed: bool,
     sample: Vec3,
     repeats: u8,
-}
-
-/// Both.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub(super) struct Chips {
-    pub(super) accel: Chip,
-    pub(super) mag: Chip,
 }
 
 impl Default for Chip {
@@ -81,7 +72,7 @@ impl Default for Chip {
             rearmed: Instant::from_ticks(0),
             seen: Instant::from_ticks(0),
             checked: Instant::from_ticks(0),
-            silence_told: false,
+            silence_noticed: false,
             sample: Vec3::ZERO,
             repeats: 0,
         }
@@ -90,9 +81,9 @@ impl Default for Chip {
 
 impl Chip {
     /// Takes a sample; true where it shows for the first time that the chip is stuck.
-    pub(super) fn on_sample(&mut self, at: Instant, sample: Vec3) -> bool {
+    fn on_sample(&mut self, at: Instant, sample: Vec3) -> bool {
         self.seen = at;
-        self.silence_told = false;
+        self.silence_noticed = false;
         self.repeats = if sample == self.sample {
             self.repeats.saturating_add(1)
         } else {
@@ -103,8 +94,20 @@ impl Chip {
     }
 
     /// True where the samples repeat bit by bit: no sensor is that still.
-    pub(super) fn is_stuck(&self) -> bool {
+    fn is_stuck(&self) -> bool {
         self.repeats >= STUCK
+    }
+
+    /// True once per silence that is longer than `longest`.
+    fn notice_silence(&mut self, now: Instant, longest: Duration) -> bool {
+        let noticed = !self.silence_noticed && span(self.seen, now) > longest;
+        self.silence_noticed |= noticed;
+        noticed
+    }
+
+    /// False where it fell silent, or repeats itself: its model is not waited for.
+    fn delivers(&self) -> bool {
+        !self.silence_noticed && !self.is_stuck()
     }
 
     /// What it shall do next. Re-arming more often than it samples would change nothing.
@@ -177,118 +180,94 @@ impl Chip {
     }
 }
 
+/// All of them, in the order of [`Input::OF_CHIPS`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Chips {
+    chips: [Chip; Input::OF_CHIPS.len()],
+    failsafe: Duration,
+}
+
 impl Chips {
+    pub(super) fn new(settings: &Settings) -> Self {
+        Self {
+            chips: Default::default(),
+            failsafe: settings.failsafe,
+        }
+    }
+
+    fn each(&mut self) -> impl Iterator<Item = (Input, &mut Chip)> {
+        Input::OF_CHIPS.into_iter().zip(&mut self.chips)
+    }
+
+    fn of(&mut self, input: Input) -> Option<&mut Chip> {
+        let found = self.each().find(|(of, _)| *of == input);
+        found.map(|(_, chip)| chip)
+    }
+
+    /// Takes a sample; true where it shows for the first time that its chip is stuck.
+    pub(super) fn on_sample(&mut self, at: Instant, sample: &ChipSample) -> bool {
+        let chip = self.of(sample.input);
+        chip.is_some_and(|chip| chip.on_sample(at, sample.axes))
+    }
+
+    /// Inputs whose chip answers nothing for two failsafe periods, each once per silence.
+    pub(super) fn notice_silence(&mut self, now: Instant) -> Inputs {
+        let longest = self.failsafe * 2;
+        let silent = self
+            .each()
+            .filter_map(|(input, chip)| chip.notice_silence(now, longest).then_some(input));
+        silent.collect()
+    }
+
+    /// Inputs that deliver: all but those whose chip fell silent, or repeats itself.
+    pub(super) fn delivering(&self) -> Inputs {
+        let chips = Input::OF_CHIPS.into_iter().zip(&self.chips);
+        let lost = chips.filter(|(_, chip)| !chip.delivers());
+        lost.fold(Inputs::ALL, |all, (input, _)| all.without(input))
+    }
+
     /// After a run the chips' references are old.
     pub(super) fn on_run(&mut self) {
-        self.accel.rearm = true;
-        self.mag.rearm = true;
-    }
-
-    /// False for a chip that fell silent, or repeats itself: its model is not waited for.
-    pub(super) fn delivers(&self, input: Input) -> bool {
-        let chip = match input {
-            Input::Gyro | Input::Accel | Input::Turned | Input::Command => return true,
-            Input::ChipAccel => &self.accel,
-            Input::ChipMag => &self.mag,
-        };
-        !chip.silence_told && !chip.is_stuck()
-    }
-
-    /// The inputs that deliver.
-    pub(super) fn delivering(&self) -> Inputs {
-        Input::ALL
-            .into_iter()
-            .filter(|input| self.delivers(*input))
-            .collect()
-    }
-
-    fn of_mut(&mut self, input: Input) -> Option<&mut Chip> {
-        match input {
-            Input::Gyro | Input::Accel | Input::Turned | Input::Command => None,
-            Input::ChipAccel => Some(&mut self.accel),
-            Input::ChipMag => Some(&mut self.mag),
+        for chip in &mut self.chips {
+            chip.rearm = true;
         }
     }
 
     /// A new phase: what is under way is not waited for.
     pub(super) fn retry(&mut self) {
-        self.accel.quiet_since = None;
-        self.mag.quiet_since = None;
+        for chip in &mut self.chips {
+            chip.quiet_since = None;
+        }
     }
-}
 
-impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
-    /// The next order for a chip, where one is due; the board reports when it is done.
-    pub fn next_order(&mut self) -> Option<ChipOrder> {
-        let (now, failsafe) = (self.record.clock(), self.reactive.failsafe());
-        let chips = [
-            (Input::ChipAccel, &mut self.chips.accel, CHIP_ACCEL.period),
-            (Input::ChipMag, &mut self.chips.mag, CHIP_MAG.period),
-        ];
-        chips.into_iter().find_map(|(input, chip, period)| {
-            let action = chip.need(now, period, failsafe)?;
+    /// The thresholds (in the inputs' units) to compare with, `None` where every sample is wanted.
+    ///
+    /// A chip that delivers nothing is not programmed to compare.
+    pub(super) fn want(&mut self, threshold: impl Fn(Input) -> Option<f32>) {
+        for (input, chip) in self.each() {
+            let threshold = threshold(input).filter(|_| chip.delivers());
+            chip.wanted = threshold.map_or(Mode::DataReady, Mode::Threshold);
+        }
+    }
+
+    /// The next order, where one is due.
+    pub(super) fn next_order(&mut self, now: Instant) -> Option<ChipOrder> {
+        let failsafe = self.failsafe;
+        self.each().find_map(|(input, chip)| {
+            let action = chip.need(now, of_input(input).period, failsafe)?;
             Some(ChipOrder { input, action })
         })
     }
 
-    /// The board carried an order out, or could not.
-    pub fn on_order_done(
+    /// An order was carried out, or failed; how often that chip failed so far.
+    pub(super) fn on_order_done(
         &mut self,
         at: Instant,
-        order: ChipOrder,
+        order: &ChipOrder,
         result: Result<ChipSetting, OrderError>,
-    ) {
-        self.record.call(at, Call::OrderDone(order, result));
-        let ChipOrder { input, action } = order;
-        let Some(chip) = self.chips.of_mut(input) else {
-            return;
-        };
-        chip.on_done(at, action, result);
-        match (action, result) {
-            (ChipAction::DataReady | ChipAction::Threshold(_), Ok(setting)) => {
-                self.record.event(Event::Programmed(input, setting));
-            }
-            (_, Ok(_)) => {}
-            (_, Err(error)) => {
-                if chip.failures.is_power_of_two() {
-                    self.record.event(Event::OrderFailed(order, error));
-                }
-                self.record.fault(Fault::ChipBus);
-            }
-        }
-    }
-
-    /// A chip that answers nothing for two failsafe periods is told of, once per silence.
-    pub(super) fn check_chips(&mut self, now: Instant) {
-        let longest = self.reactive.failsafe() * 2;
-        let silent = |chip: &mut Chip| {
-            let tell = !chip.silence_told && span(chip.seen, now) > longest;
-            chip.silence_told |= tell;
-            tell
-        };
-        let accel = silent(&mut self.chips.accel);
-        let mag = silent(&mut self.chips.mag);
-        if accel {
-            self.record.fault(Fault::AccelSilent);
-            self.on_chip_lost(Input::ChipAccel);
-        }
-        if mag {
-            self.record.fault(Fault::MagSilent);
-            self.on_chip_lost(Input::ChipMag);
-        }
-    }
-
-    /// The thresholds of the models, for the chips to compare with.
-    pub(super) fn want_thresholds(&mut self) {
-        self.chips.accel.wanted = self.wanted(Input::ChipAccel);
-        self.chips.mag.wanted = self.wanted(Input::ChipMag);
-    }
-
-    /// A chip that delivers nothing is not programmed to compare.
-    fn wanted(&self, input: Input) -> Mode {
-        self.reactive
-            .threshold_for_chip(input)
-            .filter(|_| self.chips.delivers(input))
-            .map_or(Mode::DataReady, Mode::Threshold)
+    ) -> Option<u32> {
+        let chip = self.of(order.input)?;
+        chip.on_done(at, order.action, result);
+        Some(chip.failures)
     }
 }

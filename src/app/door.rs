@@ -45,6 +45,26 @@ numbered! {
     }
 }
 
+impl Fault {
+    /// The sensor behind an input fell silent.
+    pub(super) fn silent(input: Input) -> Self {
+        match input {
+            Input::Gyro | Input::Accel | Input::Turned | Input::Command => Self::ImuSilent,
+            Input::ChipAccel => Self::AccelSilent,
+            Input::ChipMag => Self::MagSilent,
+        }
+    }
+
+    /// The sensor behind an input repeats one sample.
+    pub(super) fn stuck(input: Input) -> Self {
+        match input {
+            Input::Gyro | Input::Accel | Input::Turned | Input::Command => Self::ImuStuck,
+            Input::ChipAccel => Self::AccelStuck,
+            Input::ChipMag => Self::MagStuck,
+        }
+    }
+}
+
 /// An order to a chip that interrupts by itself: what it shall do next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]

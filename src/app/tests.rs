@@ -121,7 +121,7 @@ fn a_chip_interrupt_without_gating_samples_runs_at_one_and_a_half_periods() {
     let now = at_micros(bench.now + 300);
     let next = bench
         .autopilot
-        .on_chip_accel(now, force([0, 0, -8192]), Cause::Threshold);
+        .on_chip(now, &force([0, 0, -8192], Cause::Threshold));
     let Next::HyperperiodAt(at) = next else {
         panic!("{next:?}");
     };
@@ -142,8 +142,8 @@ fn in_reactive_control_the_chip_is_told_its_threshold() {
         if step % 10 == 0 {
             let gust = gusty(bench.now).unwrap_or(0);
             let now = at_micros(bench.now);
-            let sample = force([gust * 16, 0, -8192]);
-            let _ = bench.autopilot.on_chip_accel(now, sample, Cause::DataReady);
+            let sample = force([gust * 16, 0, -8192], Cause::DataReady);
+            let _ = bench.autopilot.on_chip(now, &sample);
         }
         while let Some(order) = bench.autopilot.next_order() {
             bench
@@ -194,8 +194,8 @@ fn a_lost_gyroscope_is_noticed_though_the_other_chip_keeps_asking_for_runs() {
     for step in 0..40u64 {
         bench.now += 10_000;
         let now = at_micros(bench.now);
-        let sample = force([(step as i16 % 2) * 8000, 0, -8000]);
-        let _ = bench.autopilot.on_chip_accel(now, sample, Cause::Threshold);
+        let sample = force([(step as i16 % 2) * 8000, 0, -8000], Cause::Threshold);
+        let _ = bench.autopilot.on_chip(now, &sample);
         bench.autopilot.on_hyperperiod(now);
     }
     assert!(

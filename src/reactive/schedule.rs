@@ -106,10 +106,6 @@ impl Schedule {
         self.asked
     }
 
-    pub(super) fn failsafe(&self) -> Duration {
-        self.failsafe
-    }
-
     pub(super) fn runs(&self) -> u32 {
         self.runs
     }

@@ -3,27 +3,9 @@
 use super::{Board, Lock, Task, follow};
 use crate::app::{Autopilot, ChipOrder, ChipSetting, Fault, Next, OrderError, Recorder};
 use crate::graph::ControlLogic;
-use crate::sensors::{Cause, Input};
+pub use crate::sensors::ChipSample as Sample;
+use crate::sensors::Input;
 use crate::time::Instant;
-use crate::units::{MagneticField, SpecificForce};
-
-/// What a chip measured.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Reading {
-    /// Specific force.
-    Accel(SpecificForce),
-    /// Magnetic field.
-    Mag(MagneticField),
-}
-
-/// A sample of a chip.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
-    /// What was measured.
-    pub reading: Reading,
-    /// Why it was read.
-    pub cause: Cause,
-}
 
 impl Sample {
     /// Hands it to the autopilot with its stamp.
@@ -32,10 +14,7 @@ impl Sample {
         autopilot: &mut Autopilot<R, L>,
         at: Instant,
     ) -> Next {
-        match self.reading {
-            Reading::Accel(force) => autopilot.on_chip_accel(at, force, self.cause),
-            Reading::Mag(field) => autopilot.on_chip_mag(at, field, self.cause),
-        }
+        autopilot.on_chip(at, &self)
     }
 }
 

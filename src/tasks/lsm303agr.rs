@@ -7,14 +7,13 @@ use embedded_hal::spi::SpiDevice;
 use reflex_drivers::lsm303agr::halves::{self, Action, Half, Halves, Interrupts, Rates};
 use reflex_drivers::quantity::Seconds;
 
-use super::chips::{Chips, Obeyed, Reading, Sample};
+use super::chips::{Chips, Obeyed};
 use crate::app::{ChipAction, ChipOrder, ChipSetting, OrderError};
 use crate::config::{CHIP_ACCEL_RATE, CHIP_MAG_RATE};
 use crate::math::Vec3;
-use crate::sensors::{Cause, Input};
+use crate::sensors::{Cause, ChipSample, Input};
 use crate::settings::Settings;
 use crate::time::seconds;
-use crate::units::{MagneticField, SpecificForce};
 
 /// Both halves of the chip, each behind its chip select.
 #[derive(Debug)]
@@ -52,7 +51,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Lsm303agr<A, M> {
 }
 
 impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Chips for Lsm303agr<A, M> {
-    fn fetch(&mut self, input: Input) -> Result<Sample, OrderError> {
+    fn fetch(&mut self, input: Input) -> Result<ChipSample, OrderError> {
         let sample = self.0.fetch(half(input)?).map_err(failure)?;
         Ok(translated(sample))
     }
@@ -87,16 +86,14 @@ fn half(input: Input) -> Result<Half, OrderError> {
     }
 }
 
-fn translated(sample: halves::Sample) -> Sample {
-    Sample {
-        reading: match sample.reading {
-            halves::Reading::Accel(force) => {
-                Reading::Accel(SpecificForce(Vec3::from_array(force.map(|axis| axis.0))))
-            }
-            halves::Reading::Mag(field) => {
-                Reading::Mag(MagneticField(Vec3::from_array(field.map(|axis| axis.0))))
-            }
-        },
+fn translated(sample: halves::Sample) -> ChipSample {
+    let (input, axes) = match sample.reading {
+        halves::Reading::Accel(force) => (Input::ChipAccel, force.map(|axis| axis.0)),
+        halves::Reading::Mag(field) => (Input::ChipMag, field.map(|axis| axis.0)),
+    };
+    ChipSample {
+        input,
+        axes: Vec3::from_array(axes),
         cause: match sample.cause {
             halves::Cause::DataReady => Cause::DataReady,
             halves::Cause::Threshold => Cause::Threshold,

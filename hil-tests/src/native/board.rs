@@ -30,6 +30,7 @@ use super::vectors::{Outputs, Vectors};
 use super::wires::{BusTime, I2cBus, Spi, Wire};
 use crate::ground_station::LinkFrame;
 use crate::logics::{AnyLogic, LogicName};
+use crate::record::{ChipState, OfChips};
 use chip_models::lsm303agr::{Accelerometer, Magnetometer};
 use chip_models::{ChipOptions, Mpu6050, StimulusSource};
 
@@ -209,6 +210,20 @@ impl NativeBoard {
 
     pub(super) fn watch_imu(&mut self) {
         self.agenda.set(Event::ImuLine, self.imu.next_ns());
+    }
+
+    /// What is seen of the chips with clocks of their own now.
+    pub(crate) fn look_at_chips(&self) -> OfChips<ChipState> {
+        [
+            self.accel.with(|wired| ChipState {
+                samples: wired.chip.samples(),
+                threshold: wired.chip.pin_threshold(),
+            }),
+            self.mag.with(|wired| ChipState {
+                samples: wired.chip.samples(),
+                threshold: wired.chip.pin_threshold(),
+            }),
+        ]
     }
 
     pub(super) fn watch_chips(&mut self) {

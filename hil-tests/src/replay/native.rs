@@ -16,11 +16,11 @@ use reflex::app::Stamped;
 use super::link_frames::schedule;
 use super::options::ReplayOptions;
 use super::refusals;
-use super::report::SampleCount;
 use super::setup::{chip_options, length_ns, open_flight};
 use super::timeline::Timeline;
 use crate::native::{NativeBoard, clock};
 use crate::progress::Progress;
+use crate::record::Look;
 use crate::refusal::Refusal;
 use crate::scoring::{Report, Score};
 use chip_models::StimulusSource;
@@ -58,13 +58,13 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
     progress.stage(&format!("Replaying {} natively", path.display()));
     let setpoints = Setpoints::of(&flight);
     let (mut board, end_ns) = boot(&flight, &setpoints, options);
-    let samples = watch(&mut board, end_ns, progress);
+    let looks = watch(&mut board, end_ns, progress);
     let calls = board.take_calls();
 
     progress.stage("Scoring");
     let timeline = timeline(&calls, options, &path.display().to_string())?;
     Ok(Report {
-        run: report::report(options, &flight, &setpoints, &timeline, &board, &samples),
+        run: report::report(options, &flight, &setpoints, &timeline, &board, &looks),
         score: timeline.score(),
     })
 }
@@ -86,23 +86,22 @@ fn boot(flight: &Flight, setpoints: &Setpoints, options: &ReplayOptions) -> (Nat
     (board, end_ns)
 }
 
-/// Runs to the end and counts the chips' samples on the way.
-fn watch(board: &mut NativeBoard, end_ns: u64, progress: &mut dyn Progress) -> Vec<SampleCount> {
+/// Runs to the end and looks at the chips on the way.
+fn watch(board: &mut NativeBoard, end_ns: u64, progress: &mut dyn Progress) -> Vec<Look> {
     let start_ns = Standstill::default().length_ns();
     let seconds = |at_ns: u64| at_ns.saturating_sub(start_ns) as f64 * 1e-9;
-    let mut samples = Vec::new();
+    let mut looks = Vec::new();
     let mut at_ns = 0;
     while at_ns < end_ns {
         at_ns = (at_ns + STEP_NS).min(end_ns);
         board.run_until(at_ns);
-        samples.push(SampleCount {
+        looks.push(Look {
             at_ns,
-            accel: board.accel.with(|wired| wired.chip.samples()),
-            mag: board.mag.with(|wired| wired.chip.samples()),
+            chips: board.look_at_chips(),
         });
         progress.done(seconds(at_ns), seconds(end_ns));
     }
-    samples
+    looks
 }
 
 fn timeline<'c>(calls: &'c [Stamped], options: &ReplayOptions, name: &str) -> Result<Timeline<'c>> {

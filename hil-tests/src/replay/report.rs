@@ -7,23 +7,16 @@ use std::collections::BTreeMap;
 
 use reflex::app::{Call, ChipAction, ChipSetting, Fault, Outcome, Ran, Reason};
 use reflex::reactive::{Fit, Phase};
-use reflex::sensors::{Cause, Input};
+use reflex::sensors::{Cause, Input, Unit};
 
 use super::options::ReplayOptions;
 use super::timeline::Timeline;
+use crate::record::{Look, samples_since};
 use crate::scoring::{
     Gap, ModelState, Options, RunReport, Sensor, SetpointSource, Tier, latencies,
 };
 use emulated_board::Line;
 use recorded_flights::{Flight, Setpoints};
-
-/// How many samples the dies of the LSM303AGR had produced at an instant.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SampleCount {
-    pub(crate) at_ns: u64,
-    pub(crate) accel: u64,
-    pub(crate) mag: u64,
-}
 
 /// What was observed of the chips, in ns of the board's time.
 pub(crate) struct ChipEvidence<'r> {
@@ -31,9 +24,8 @@ pub(crate) struct ChipEvidence<'r> {
     pub(crate) from_ns: u64,
     /// Rising edges of each line.
     pub(crate) edges: [&'r [u64]; Line::ALL.len()],
-    pub(crate) samples: &'r [SampleCount],
-    /// The threshold codes in force at the end, accelerometer and magnetometer.
-    pub(crate) chip_thresholds: [Option<u32>; 2],
+    /// Looks at the chips; the last at the end.
+    pub(crate) looks: &'r [Look],
 }
 
 /// Everything that the report is made from.
@@ -99,24 +91,22 @@ impl Evidence<'_, '_> {
         let chips = &self.chips;
         let since =
             |edges: &[u64]| (edges.len() - edges.partition_point(|at| *at <= chips.from_ns)) as u64;
-        let line = match input {
-            Input::Gyro | Input::Accel | Input::Turned | Input::Command => Line::ImuReady,
-            Input::ChipAccel => Line::AccelThreshold,
-            Input::ChipMag => Line::MagEvent,
+        let (line, present) = match input {
+            Input::Gyro | Input::Accel | Input::Turned | Input::Command => (Line::ImuReady, true),
+            Input::ChipAccel => (Line::AccelThreshold, true),
+            Input::ChipMag => (Line::MagEvent, self.flight.mag.is_some()),
         };
         let interrupts = since(chips.edges[line.pin() as usize]);
-        let samples = match input {
-            // Every sample of the MPU6050 pulses its line.
-            Input::Gyro | Input::Accel | Input::Turned | Input::Command => interrupts,
-            Input::ChipAccel => samples_since(chips.samples, chips.from_ns, |count| count.accel),
-            Input::ChipMag => samples_since(chips.samples, chips.from_ns, |count| count.mag),
-        };
-        let present = input != Input::ChipMag || self.flight.mag.is_some();
+        let chip = Input::OF_CHIPS.into_iter().position(|chip| chip == input);
+        // Every sample of the inertial sensor pulses its line.
+        let samples = chip.map_or(interrupts, |chip| {
+            samples_since(chips.looks, chips.from_ns, chip)
+        });
         let fit = self.timeline.mirror.autopilot().fit(input);
         // Commands are shares of full scale in the firmware.
-        let unit = match input {
-            Input::Command => self.options.settings.quantum,
-            _ => 1.0,
+        let (unit_name, unit) = match input.declaration().unit {
+            Unit::Named(name) => (name, 1.0),
+            Unit::Quantum => ("quanta", self.options.settings.quantum),
         };
         let model = match fit {
             Fit::Model(model) => Some(model),
@@ -131,19 +121,8 @@ impl Evidence<'_, '_> {
             state: self.state(fit, present),
             threshold: model
                 .map(|_| short(self.timeline.mirror.autopilot().threshold(input) / unit)),
-            unit: match input {
-                Input::Command => "quanta",
-                Input::Turned => "rad",
-                Input::Gyro => "rad/s",
-                Input::Accel | Input::ChipAccel => "m/s2",
-                Input::ChipMag => "gauss",
-            }
-            .into(),
-            chip_threshold: match input {
-                Input::Gyro | Input::Accel | Input::Turned | Input::Command => None,
-                Input::ChipAccel => chips.chip_thresholds[0],
-                Input::ChipMag => chips.chip_thresholds[1],
-            },
+            unit: unit_name.into(),
+            chip_threshold: chip.and_then(|chip| chips.looks.last()?.chips[chip].threshold),
             chip_thresholds_set: self.count_calls(|call| match call {
                 Call::OrderDone(order, Ok(ChipSetting::PastThreshold { .. })) => {
                     order.input == input && matches!(order.action, ChipAction::Threshold(_))
@@ -151,8 +130,7 @@ impl Evidence<'_, '_> {
                 _ => false,
             }),
             chip_crossings: self.count_calls(|call| match call {
-                Call::ChipAccel(_, Cause::Threshold) => input == Input::ChipAccel,
-                Call::ChipMag(_, Cause::Threshold) => input == Input::ChipMag,
+                Call::Chip(sample) => sample.input == input && sample.cause == Cause::Threshold,
                 _ => false,
             }),
             b1: model.map(|model| short(model.b1)),
@@ -238,22 +216,6 @@ fn short(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }
 
-/// Samples since an instant, counted between the two looks around it.
-fn samples_since(counts: &[SampleCount], from_ns: u64, of: impl Fn(&SampleCount) -> u64) -> u64 {
-    let Some(last) = counts.last() else {
-        return 0;
-    };
-    let place = counts.partition_point(|count| count.at_ns <= from_ns);
-    let (Some(after), before) = (counts.get(place), place.checked_sub(1).map(|i| &counts[i]))
-    else {
-        return 0;
-    };
-    let (before_ns, before) = before.map_or((0, 0), |count| (count.at_ns, of(count)));
-    let share = (from_ns - before_ns) as f64 / (after.at_ns - before_ns) as f64;
-    let at_start = before as f64 + share * (of(after) - before) as f64;
-    (of(last) as f64 - at_start).round() as u64
-}
-
 fn snake_case(name: &str) -> String {
     let mut snake = String::new();
     for (place, letter) in name.char_indices() {
@@ -268,19 +230,6 @@ fn snake_case(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn samples_are_counted_from_between_two_looks() {
-        let count = |at_ns, accel| SampleCount {
-            at_ns,
-            accel,
-            mag: 0,
-        };
-        let counts = [count(100, 10), count(200, 20), count(300, 30)];
-        assert_eq!(samples_since(&counts, 150, |count| count.accel), 15);
-        assert_eq!(samples_since(&counts, 50, |count| count.accel), 25);
-        assert_eq!(samples_since(&counts, 300, |count| count.accel), 0);
-    }
 
     #[test]
     fn numbers_are_reported_as_they_were_given() {

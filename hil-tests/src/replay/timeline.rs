@@ -260,7 +260,7 @@ impl Native {
     fn take(&mut self, stamped: &Stamped) -> bool {
         match &stamped.call {
             Call::Imu(burst) => self.autopilot.on_imu(stamped.at, burst) == Next::Hyperperiod,
-            Call::ChipAccel(..) | Call::ChipMag(..) | Call::Message(_) => {
+            Call::Chip(_) | Call::Message(_) => {
                 stamped.call.replay(stamped.at, &mut self.autopilot);
                 false
             }

@@ -15,14 +15,14 @@ use reflex::control::Setpoint;
 use reflex::link::Message;
 use reflex::math::Vec3;
 use reflex::reactive::{Fit, Logistic, Phase, Refit};
-use reflex::sensors::{Cause, Input};
+use reflex::sensors::{Cause, ChipSample, Input};
 use reflex::settings::{Settings, WarmUp};
 use reflex::tasks::chips::Chips;
 use reflex::tasks::imu::Imu;
 use reflex::tasks::lsm303agr::Lsm303agr;
 use reflex::tasks::mpu6050::Sensor;
 use reflex::time::{at_micros, micros};
-use reflex::units::{MagneticField, SpecificForce, Thrust};
+use reflex::units::Thrust;
 use reflex_drivers::lsm303agr::{AccelFullScale, AccelThreshold, MagThreshold};
 use reflex_drivers::mpu6050::{MotionThreshold, NOMINAL_MOTION_STEP};
 use reflex_drivers::quantity::{Gauss, MetersPerSecondSquared};
@@ -177,14 +177,15 @@ impl Flight {
     /// A chip that falls silent, or repeats itself, is not left to compare.
     fn deliver_samples(&mut self) {
         let now = at_micros(self.now);
-        let sample = Vec3::new(self.now as f32 * 1e-6, 0.0, -9.8);
-        let cause = Cause::DataReady;
-        let _ = self
-            .autopilot
-            .on_chip_accel(now, SpecificForce(sample), cause);
-        let _ = self
-            .autopilot
-            .on_chip_mag(now, MagneticField(sample), cause);
+        let axes = Vec3::new(self.now as f32 * 1e-6, 0.0, -9.8);
+        for input in Input::OF_CHIPS {
+            let sample = ChipSample {
+                input,
+                axes,
+                cause: Cause::DataReady,
+            };
+            let _ = self.autopilot.on_chip(now, &sample);
+        }
     }
 
     /// Swaps a model in; the threshold it has, and what the order that programs it left in the

@@ -19,9 +19,13 @@ pub fn turning(rate: i16) -> ImuReading {
 }
 
 /// Counts of an accelerometer with 16 per 0.98 mg.
-pub fn force(counts: [i16; 3]) -> SpecificForce {
-    let [x, y, z] = counts.map(|count| f32::from(count) * (GRAVITY * 0.000_98 / 16.0));
-    SpecificForce(Vec3::new(x, y, z))
+pub fn force(counts: [i16; 3], cause: Cause) -> ChipSample {
+    let axes = counts.map(|count| f32::from(count) * (GRAVITY * 0.000_98 / 16.0));
+    ChipSample {
+        input: Input::ChipAccel,
+        axes: Vec3::from_array(axes),
+        cause,
+    }
 }
 
 /// What a chip answers whose comparator has steps of 0.1 m/s2 or gauss.

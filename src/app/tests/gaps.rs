@@ -57,9 +57,9 @@ proptest! {
             for _ in 0..length {
                 bench.milliseconds(1, |_| rate(spell, &mut random));
                 if chip_asks && random.rand_u32() >> 22 == 0 {
-                    let sample = force([random.rand_u32() as i16, 0, -8192]);
+                    let sample = force([random.rand_u32() as i16, 0, -8192], Cause::Threshold);
                     let now = at_micros(bench.now);
-                    let _ = bench.autopilot.on_chip_accel(now, sample, Cause::Threshold);
+                    let _ = bench.autopilot.on_chip(now, &sample);
                     if let Some(output) = bench.autopilot.on_hyperperiod(now) {
                         bench.outputs.push((bench.now, output.share()));
                     }

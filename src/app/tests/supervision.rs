@@ -141,8 +141,8 @@ fn with_chip(bench: &mut Bench, milliseconds: u64, mut counts: impl FnMut(u64) -
         bench.milliseconds(1, swaying);
         let now = at_micros(bench.now);
         if step % 10 == 0 {
-            let sample = force(counts(bench.now));
-            let _ = bench.autopilot.on_chip_accel(now, sample, Cause::DataReady);
+            let sample = force(counts(bench.now), Cause::DataReady);
+            let _ = bench.autopilot.on_chip(now, &sample);
         }
         while let Some(order) = bench.autopilot.next_order() {
             bench.autopilot.on_order_done(now, order, Ok(obeyed(order)));

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use reflex::app::Ran;
 
 use super::latency;
-use super::session::{Session, held};
+use super::session::Session;
 use crate::firmware::Firmware;
 use crate::record::Observation;
 use crate::record::{AlignedRun, Alignment};
@@ -41,11 +41,7 @@ impl BoardEvidence<'_, '_> {
             chips: ChipEvidence {
                 from_ns: self.scored_from_ns(),
                 edges: self.observation.edges.each_ref().map(Vec::as_slice),
-                samples: &self.session.samples,
-                chip_thresholds: [
-                    held(&self.session.chips.accel).pin_threshold(),
-                    held(&self.session.chips.mag).pin_threshold(),
-                ],
+                looks: &self.session.looks,
             },
         };
         let report = evidence.report(Tier::Emulated, self.digest());

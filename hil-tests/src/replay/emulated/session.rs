@@ -7,10 +7,9 @@ use anyhow::Result;
 use crate::firmware::Firmware;
 use crate::ground_station::LinkFrame;
 use crate::progress::Progress;
-use crate::record::Observation;
+use crate::record::{ChipState, Look, Observation, OfChips};
 use crate::replay::link_frames::schedule;
 use crate::replay::options::ReplayOptions;
-use crate::replay::report::SampleCount;
 use crate::replay::setup::{chip_options, length_ns};
 use chip_models::{SharedChips, StimulusSource};
 use emulated_board::emulated::{EmulatedBoard, Sensors};
@@ -25,7 +24,7 @@ pub(crate) struct Session {
     board: Option<Box<EmulatedBoard>>,
     pub(super) chips: SharedChips,
     pub(super) setpoints: Setpoints,
-    pub(super) samples: Vec<SampleCount>,
+    pub(super) looks: Vec<Look>,
     at_rest: Standstill,
     end_ns: u64,
 }
@@ -59,7 +58,7 @@ impl Session {
             board: Some(Box::new(board)),
             chips,
             setpoints,
-            samples: Vec::new(),
+            looks: Vec::new(),
             at_rest,
             end_ns,
         })
@@ -84,10 +83,9 @@ impl Session {
         while at_ns < self.end_ns {
             at_ns = (at_ns + STEP_NS).min(self.end_ns);
             board.run_until(at_ns, observer)?;
-            self.samples.push(SampleCount {
+            self.looks.push(Look {
                 at_ns,
-                accel: held(&self.chips.accel).samples(),
-                mag: held(&self.chips.mag).samples(),
+                chips: look_at(&self.chips),
             });
             progress.done(
                 seconds(at_ns.saturating_sub(self.at_rest.length_ns())),
@@ -110,8 +108,22 @@ impl Session {
     }
 }
 
+fn look_at(chips: &SharedChips) -> OfChips<ChipState> {
+    let (accel, mag) = (held(&chips.accel), held(&chips.mag));
+    [
+        ChipState {
+            samples: accel.samples(),
+            threshold: accel.pin_threshold(),
+        },
+        ChipState {
+            samples: mag.samples(),
+            threshold: mag.pin_threshold(),
+        },
+    ]
+}
+
 /// A chip that panicked is reported by that panic, not by its lock.
-pub(super) fn held<T>(chip: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+fn held<T>(chip: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     chip.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

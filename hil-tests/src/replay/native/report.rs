@@ -5,9 +5,10 @@ use reflex::settings::MotorProtocol;
 use reflex::time::at_micros;
 
 use crate::native::{NativeBoard, nanos};
+use crate::record::Look;
 use crate::record::motor_timers::pulse_ns;
 use crate::replay::options::ReplayOptions;
-use crate::replay::report::{ChipEvidence, Evidence, SampleCount, scored_from_us};
+use crate::replay::report::{ChipEvidence, Evidence, scored_from_us};
 use crate::replay::timeline::Timeline;
 use crate::scoring::{MotorDigest, RunReport, Tier};
 use recorded_flights::{Flight, Setpoints};
@@ -19,7 +20,7 @@ pub(super) fn report(
     setpoints: &Setpoints,
     timeline: &Timeline<'_>,
     board: &NativeBoard,
-    samples: &[SampleCount],
+    looks: &[Look],
 ) -> RunReport {
     let runs: Vec<(u64, Ran)> = (timeline.calls.iter())
         .filter_map(|stamped| match stamped.call {
@@ -41,11 +42,7 @@ pub(super) fn report(
         chips: ChipEvidence {
             from_ns: nanos(at_micros(scored_from_us(timeline))),
             edges: edges.each_ref().map(Vec::as_slice),
-            samples,
-            chip_thresholds: [
-                board.accel.with(|wired| wired.chip.pin_threshold()),
-                board.mag.with(|wired| wired.chip.pin_threshold()),
-            ],
+            looks,
         },
     };
     evidence.report(Tier::Native, digest(&runs, options.settings.motors))
