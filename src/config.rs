@@ -10,7 +10,7 @@ use crate::settings::{
 use crate::time::{Duration, micros};
 use reflex_settings::{Airframe, Motor};
 
-/// What one sensor may ask for, from `config/reactive.toml`.
+/// What one input may ask for, from `config/reactive.toml`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub struct SensorInput {
@@ -44,27 +44,6 @@ impl Changes {
 }
 
 include!(concat!(env!("OUT_DIR"), "/config.rs"));
-
-/// What an input may ask for; what is derived from bursts has their period and does not gate.
-#[must_use]
-pub const fn of_input(input: Input) -> SensorInput {
-    match input {
-        Input::Gyro => GYRO,
-        Input::Accel => ACCEL,
-        Input::ChipAccel => CHIP_ACCEL,
-        Input::ChipMag => CHIP_MAG,
-        Input::Turned => derived_input(TURNED),
-        Input::Command => derived_input(COMMAND),
-    }
-}
-
-const fn derived_input(changes: Changes) -> SensorInput {
-    SensorInput {
-        period: GYRO.period,
-        gates: false,
-        changes,
-    }
-}
 
 /// What limits settings beyond their ranges.
 pub const LIMITS: Limits = Limits {

@@ -1,11 +1,11 @@
 //! `boards/*.toml`: what may vary on one wiring.
 
-use reflex_settings::{BOARD, Declared, Settings};
+use reflex_settings::{BOARD, Declared, Settings, rates};
 
 use crate::values::{Schema, schema};
 
 /// What a file of `boards/` holds.
 pub(crate) fn file() -> Schema {
     let chosen = Settings::SETTINGS.iter().filter(|setting| setting.of_board);
-    schema(BOARD.iter().chain(chosen))
+    schema(rates().chain(BOARD).chain(chosen))
 }

@@ -75,12 +75,10 @@ impl Files<'_> {
 
     /// The rate of a sensor in Hz.
     pub(crate) fn rate(self, input: Input) -> u32 {
-        let key = match input {
-            Input::ChipAccel => "sensors.chip_accel_rate_hz",
-            Input::ChipMag => "sensors.chip_mag_rate_hz",
-            _ => "sensors.imu_rate_hz",
-        };
-        self.board.number(key) as u32
+        let rate = input.declaration().rate;
+        rate.map_or(0, |rate| {
+            self.board.number(&format!("sensors.{}", rate.key)) as u32
+        })
     }
 
     /// Least common multiple of the gating inputs' periods, in us.
@@ -150,4 +148,22 @@ fn least_common_multiple(a: u64, b: u64) -> u64 {
         (larger, smaller) = (smaller, larger % smaller);
     }
     a / larger * b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[test]
+    fn inputs_are_configured_as_they_are_declared_to_be_shipped() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let configuration = crate::load(folder).expect("the shipped configuration");
+        let files = configuration.files();
+        for input in Input::ALL {
+            let declared = input.declaration();
+            assert_eq!(files.gates(input), declared.gates, "{input:?}");
+            assert_eq!(files.changes(input), declared.changes, "{input:?}");
+        }
+    }
 }

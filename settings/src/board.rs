@@ -1,10 +1,38 @@
 //! The constants of `config/boards/NAME.toml`: what may vary on one wiring.
 
+use crate::inputs::{Input, Rate};
 use crate::range::{above, one_of, within};
 use crate::setting::{Kind, Limit, Setting};
 
-const fn rate(key: &'static str, rates: &'static [f64]) -> Setting {
-    Setting::of(["sensors", key], Kind::Count(one_of(rates)), "Hz")
+const fn rate(rate: &Rate) -> Setting {
+    Setting::of(
+        ["sensors", rate.key],
+        Kind::Count(one_of(rate.allowed)),
+        "Hz",
+    )
+    .default(rate.default)
+    .named(rate.name)
+    .meaning(rate.meaning)
+}
+
+/// The rate of the sensor behind each input.
+static OF_SENSED: [Setting; Input::SENSED.len()] = {
+    let mut all = [BOARD[0]; Input::SENSED.len()];
+    let mut place = 0;
+    while place < all.len() {
+        all[place] = match Input::SENSED[place].declaration().rate {
+            Some(declared) => rate(declared),
+            None => panic!("a sensor has a rate"),
+        };
+        place += 1;
+    }
+    all
+};
+
+/// The rates of sensors in the order of their inputs; one that delivers two is there once.
+pub fn rates() -> impl Iterator<Item = &'static Setting> {
+    let rates = OF_SENSED.iter().enumerate();
+    rates.filter_map(|(place, rate)| (!OF_SENSED[..place].contains(rate)).then_some(rate))
 }
 
 const fn cutoff(key: &'static str) -> Setting {
@@ -12,24 +40,8 @@ const fn cutoff(key: &'static str) -> Setting {
         .limited(Limit::BelowHalfTheImuRate)
 }
 
-/// Everything of a board's file that is no run-time setting.
+/// Everything of a board's file that is no run-time setting and no rate of a sensor.
 pub const BOARD: &[Setting] = &[
-    // Those whose periods are whole milliseconds.
-    rate("imu_rate_hz", &[1000.0, 500.0, 250.0, 200.0, 125.0, 100.0])
-        .default("1000")
-        .named("IMU_RATE")
-        .meaning("Rate of the MPU6050."),
-    rate(
-        "chip_accel_rate_hz",
-        &[400.0, 200.0, 100.0, 50.0, 25.0, 10.0],
-    )
-    .default("100")
-    .named("CHIP_ACCEL_RATE")
-    .meaning("Rate of the LSM303AGR's accelerometer."),
-    rate("chip_mag_rate_hz", &[100.0, 50.0, 20.0, 10.0])
-        .default("100")
-        .named("CHIP_MAG_RATE")
-        .meaning("Rate of the LSM303AGR's magnetometer."),
     cutoff("gyro_cutoff_hz")
         .default("80")
         .named("GYRO_CUTOFF")

@@ -6,7 +6,7 @@
 //! [`Input::COUNT`], so that a forgotten place does not compile.
 
 /// What is known of one input.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Declaration {
     /// Its name in logs and reports.
     pub name: &'static str,
@@ -18,6 +18,12 @@ pub struct Declaration {
     pub unit: Unit,
     /// Where its samples come from.
     pub source: Source,
+    /// The rate of its sensor.
+    pub rate: Option<&'static Rate>,
+    /// Whether it gates the hyperperiod, in the configuration as it is shipped.
+    pub gates: bool,
+    /// The ends of the bins that its changes are counted in, as shipped, in its unit.
+    pub changes: [f64; 2],
 }
 
 /// The unit of an input's changes.
@@ -28,6 +34,21 @@ pub enum Unit {
     /// The quantum of the motor command, which is a setting; the firmware counts in shares of
     /// full scale.
     Quantum,
+}
+
+/// How often a sensor samples: a setting in a board's file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rate {
+    /// Its key in the table `sensors`.
+    pub key: &'static str,
+    /// The constant that holds it.
+    pub name: &'static str,
+    /// The rates that the sensor has, in Hz.
+    pub allowed: &'static [f64],
+    /// The rate as shipped, in Hz.
+    pub default: &'static str,
+    /// What it is the rate of, as a sentence.
+    pub meaning: &'static str,
 }
 
 /// Where the samples of an input come from.
@@ -43,15 +64,25 @@ pub enum Source {
     Command,
 }
 
+/// A rate that is given or not.
+const fn given(rate: &[&'static Rate]) -> Option<&'static Rate> {
+    match rate {
+        [rate] => Some(rate),
+        _ => None,
+    }
+}
+
 /// Declares the inputs in the order of their numbers: those with three axes, the command last.
 macro_rules! inputs {
     (
         $($(#[doc = $meaning:literal])+ $axes:ident {
-            name: $name:literal, key: $key:literal, unit: $unit:expr, source: $source:ident
+            name: $name:literal, key: $key:literal, unit: $unit:expr, source: $source:ident,
+            $(rate: $rate:ident, gates: $gates:literal,)? changes: $changes:expr,
         })*
         ---
         $(#[doc = $last_meaning:literal])+ $last:ident {
-            name: $last_name:literal, key: $last_key:literal, unit: $last_unit:expr
+            name: $last_name:literal, key: $last_key:literal, unit: $last_unit:expr,
+            changes: $last_changes:expr,
         }
     ) => {
         /// The inputs whose change may call for a run, one model each.
@@ -83,6 +114,9 @@ macro_rules! inputs {
                         meaning: concat!($($meaning),+).trim_ascii(),
                         unit: $unit,
                         source: Source::$source,
+                        rate: given(&[$(&$rate)?]),
+                        gates: false$(|| $gates)?,
+                        changes: $changes,
                     },)*
                     Self::$last => Declaration {
                         name: $last_name,
@@ -90,6 +124,9 @@ macro_rules! inputs {
                         meaning: concat!($($last_meaning),+).trim_ascii(),
                         unit: $last_unit,
                         source: Source::Command,
+                        rate: None,
+                        gates: false,
+                        changes: $last_changes,
                     },
                 }
             }
@@ -106,20 +143,63 @@ macro_rules! inputs {
     };
 }
 
+/// Periods are whole milliseconds.
+const IMU_RATE: Rate = Rate {
+    key: "imu_rate_hz",
+    name: "IMU_RATE",
+    allowed: &[1000.0, 500.0, 250.0, 200.0, 125.0, 100.0],
+    default: "1000",
+    meaning: "Rate of the MPU6050.",
+};
+
+const CHIP_ACCEL_RATE: Rate = Rate {
+    key: "chip_accel_rate_hz",
+    name: "CHIP_ACCEL_RATE",
+    allowed: &[400.0, 200.0, 100.0, 50.0, 25.0, 10.0],
+    default: "100",
+    meaning: "Rate of the LSM303AGR's accelerometer.",
+};
+
+const CHIP_MAG_RATE: Rate = Rate {
+    key: "chip_mag_rate_hz",
+    name: "CHIP_MAG_RATE",
+    allowed: &[100.0, 50.0, 20.0, 10.0],
+    default: "100",
+    meaning: "Rate of the LSM303AGR's magnetometer.",
+};
+
 inputs! {
     /// Angular rate, from the MPU6050's gyroscope.
-    Gyro { name: "mpu6050_gyro", key: "gyro", unit: Unit::Named("rad/s"), source: Imu }
+    Gyro {
+        name: "mpu6050_gyro", key: "gyro", unit: Unit::Named("rad/s"), source: Imu,
+        rate: IMU_RATE, gates: true, changes: [0.005, 4.0],
+    }
     /// Specific force, from the MPU6050's accelerometer.
-    Accel { name: "mpu6050_accel", key: "accel", unit: Unit::Named("m/s2"), source: Imu }
+    Accel {
+        name: "mpu6050_accel", key: "accel", unit: Unit::Named("m/s2"), source: Imu,
+        rate: IMU_RATE, gates: true, changes: [0.02, 80.0],
+    }
     /// Specific force, from the LSM303AGR's accelerometer, which compares by itself.
-    ChipAccel { name: "lsm303agr_accel", key: "chip-accel", unit: Unit::Named("m/s2"), source: Chip }
+    ChipAccel {
+        name: "lsm303agr_accel", key: "chip-accel", unit: Unit::Named("m/s2"), source: Chip,
+        rate: CHIP_ACCEL_RATE, gates: false, changes: [0.02, 40.0],
+    }
     /// Magnetic field, from the LSM303AGR's magnetometer, which compares by itself.
-    ChipMag { name: "lsm303agr_mag", key: "chip-mag", unit: Unit::Named("gauss"), source: Chip }
+    ChipMag {
+        name: "lsm303agr_mag", key: "chip-mag", unit: Unit::Named("gauss"), source: Chip,
+        rate: CHIP_MAG_RATE, gates: false, changes: [0.0015, 0.5],
+    }
     /// Angle turned since the last run.
-    Turned { name: "angle_turned", key: "turned", unit: Unit::Named("rad"), source: Derived }
+    Turned {
+        name: "angle_turned", key: "turned", unit: Unit::Named("rad"), source: Derived,
+        changes: [0.0005, 0.5],
+    }
     ---
     /// Command that a run would compute, against the one applied.
-    Command { name: "command_change", key: "command", unit: Unit::Quantum }
+    Command {
+        name: "command_change", key: "command", unit: Unit::Quantum,
+        changes: [0.7, 1.4],
+    }
 }
 
 const _: () = assert!(Input::COUNT <= 8, "a set of inputs is a byte");

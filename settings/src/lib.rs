@@ -27,10 +27,10 @@ pub use airframe::{
     ARMED_MINIMUM, Airframe, AirframeError, DIRECTION, FEWEST_MOTORS, MOST_MOTORS, Motor,
 };
 pub use block::{BLOCK_LENGTH, BlockError};
-pub use board::BOARD;
+pub use board::{BOARD, rates};
 pub use choices::{Choice, Choices, Feedback, MotorProtocol, Pairs, Policy, Reference};
 pub use declare::{Declared, Field};
-pub use inputs::{Declaration, Input, Inputs, Source, Unit};
+pub use inputs::{Declaration, Input, Inputs, Rate, Source, Unit};
 pub use range::{Range, above, between, from_below, one_of, within};
 pub use reactive::{INPUT, REACTIVE, of_input};
 pub use setting::{Kind, Limit, Limits, OutOfRange, Path, Setting, Value, Written};

@@ -162,6 +162,7 @@ mod tests {
         for setting in Settings::SETTINGS
             .iter()
             .chain(crate::REACTIVE)
+            .chain(crate::rates())
             .chain(crate::BOARD)
         {
             // Inputs have tables of their own, steps are written as shares on a command line.
@@ -178,6 +179,7 @@ mod tests {
             Settings::SETTINGS
                 .iter()
                 .chain(crate::REACTIVE)
+                .chain(crate::rates())
                 .chain(crate::BOARD)
         };
         for setting in all() {

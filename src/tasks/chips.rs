@@ -1,28 +1,16 @@
 //! The owner of the chips that interrupt by themselves: samples first, then orders.
 
 use super::{Board, Lock, Task, follow};
-use crate::app::{Autopilot, ChipOrder, ChipSetting, Fault, Next, OrderError, Recorder};
+use crate::app::{Autopilot, ChipOrder, ChipSetting, Fault, OrderError, Recorder};
 use crate::graph::ControlLogic;
-pub use crate::sensors::ChipSample as Sample;
-use crate::sensors::Input;
+use crate::sensors::{ChipSample, Input};
 use crate::time::Instant;
-
-impl Sample {
-    /// Hands it to the autopilot with its stamp.
-    pub fn deliver<R: Recorder, L: ControlLogic>(
-        self,
-        autopilot: &mut Autopilot<R, L>,
-        at: Instant,
-    ) -> Next {
-        autopilot.on_chip(at, &self)
-    }
-}
 
 /// What a chip did for an order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obeyed {
     /// The sample that belongs to the order.
-    pub sample: Option<Sample>,
+    pub sample: Option<ChipSample>,
     /// What the chip interrupts for from now on.
     pub setting: ChipSetting,
 }
@@ -33,7 +21,7 @@ pub trait Chips {
     ///
     /// # Errors
     /// The bus's.
-    fn fetch(&mut self, input: Input) -> Result<Sample, OrderError>;
+    fn fetch(&mut self, input: Input) -> Result<ChipSample, OrderError>;
 
     /// Carries out an order and checks it.
     ///
@@ -80,7 +68,7 @@ pub enum Work {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Done {
     /// The sample of an interrupt with this stamp.
-    Fetched(Instant, Result<Sample, OrderError>),
+    Fetched(Instant, Result<ChipSample, OrderError>),
     /// An order, and the chip's answer.
     Ordered(ChipOrder, Result<Obeyed, OrderError>),
 }
@@ -118,7 +106,7 @@ impl Done {
     ) -> Result<(), OrderError> {
         pilot.lock(|pilot| match self {
             Self::Fetched(at, Ok(sample)) => {
-                follow(board, sample.deliver(pilot, at));
+                follow(board, pilot.on_chip(at, &sample));
                 Ok(())
             }
             Self::Fetched(at, Err(_)) => {
@@ -132,7 +120,7 @@ impl Done {
                     ..
                 }) = result
                 {
-                    follow(board, sample.deliver(pilot, at));
+                    follow(board, pilot.on_chip(at, &sample));
                 }
                 pilot.on_order_done(at, order, result.map(|obeyed| obeyed.setting));
                 result.map(|_| ())
