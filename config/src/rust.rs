@@ -239,7 +239,7 @@ fn of_input(source: &mut String) {
     let arms = Input::ALL.map(|input| format!("        Input::{input:?} => {},\n", name_of(input)));
     let _ = writeln!(
         source,
-        "/// What an input may ask for.\n#[must_use]\n\
+        "#[must_use]\n/// What an input may ask for.\n\
          pub const fn of_input(input: Input) -> SensorInput {{\n    match input {{\n{}    }}\n}}",
         arms.concat()
     );
