@@ -31,7 +31,7 @@ pub enum Task {
     Hyperperiod,
     /// [`chips::serve`].
     Chips,
-    /// Has the inertial sensor configured anew: [`imu::Imu::configure`].
+    /// Has the inertial sensor configured anew: [`imu::Configure`].
     RepairImu,
     /// What waits for the processor to be idle: refits and the log.
     Idle,

@@ -5,8 +5,6 @@
 
 use core::fmt::Debug;
 
-use embedded_hal::i2c::I2c;
-
 use super::{Board, Lock, Task, follow};
 use crate::app::{Autopilot, Fault, Recorder};
 use crate::graph::ControlLogic;
@@ -21,7 +19,7 @@ const SILENCE: Duration = micros(20_000);
 /// of margin, takes 203 us.
 const LATEST_CHECK: Duration = micros(600);
 
-/// An inertial sensor behind I2C.
+/// An inertial sensor, on whatever bus.
 pub trait Imu {
     /// The bytes of one sample.
     type Burst;
@@ -40,12 +38,18 @@ pub trait Imu {
 
     /// The first register read that does not hold what was configured.
     fn difference(check: Self::Check, held: &Self::Held) -> Option<Self::Difference>;
+}
+
+/// An inertial sensor that is configured over a bus `B`: I2C, or a device on SPI.
+pub trait Configure<B>: Imu {
+    /// What can go wrong.
+    type Error;
 
     /// Configures the sensor anew, in under 5 ms, and checks all of it.
     ///
     /// # Errors
     /// The bus's, another chip, a register that does not hold what was written.
-    fn configure<B: I2c>(bus: &mut B) -> Result<(), reflex_drivers::Error<B::Error>>;
+    fn configure(bus: &mut B) -> Result<(), Self::Error>;
 }
 
 /// What a transaction with the sensor led to.

@@ -6,7 +6,7 @@ use reflex_drivers::mpu6050::{
     ADDRESS, BURST_LENGTH, CHECKS, Check, Difference, ImuBurst, ImuConfig, LONGEST_CHECK, Mpu6050,
 };
 
-use super::imu::Imu;
+use super::imu::{Configure, Imu};
 use crate::config::IMU_RATE;
 use crate::math::Vec3;
 use crate::sensors::ImuReading;
@@ -48,8 +48,12 @@ impl Imu for Sensor {
     fn difference(check: Check, held: &Self::Held) -> Option<Difference> {
         check.difference(&CONFIG, *held)
     }
+}
 
-    fn configure<B: I2c>(bus: &mut B) -> Result<(), Error<B::Error>> {
+impl<B: I2c> Configure<B> for Sensor {
+    type Error = Error<B::Error>;
+
+    fn configure(bus: &mut B) -> Result<(), Self::Error> {
         let mut chip = Mpu6050::new(bus, ADDRESS);
         chip.check_identity()?;
         chip.configure(&CONFIG)

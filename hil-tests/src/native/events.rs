@@ -6,7 +6,7 @@ use embedded_hal::i2c::I2c;
 use reflex::app::Fault;
 use reflex::sensors::Input;
 use reflex::tasks::chips::Work;
-use reflex::tasks::imu::{self, Imu, Report};
+use reflex::tasks::imu::{self, Configure, Report};
 use reflex::tasks::mpu6050::Sensor;
 use reflex::tasks::{Unshared, control, link};
 use reflex_drivers::mpu6050::{ADDRESS, BURST_LENGTH, BURST_START, LONGEST_CHECK};

@@ -3,7 +3,7 @@
 //! Its samples come by [`super::i2c::Engine`].
 
 use reflex::app::Fault;
-use reflex::tasks::imu::Imu;
+use reflex::tasks::imu::Configure;
 use reflex::tasks::mpu6050::{CONFIG, Sensor};
 use reflex_drivers::legacy_hal::Lent;
 use reflex_drivers::mpu6050::{ADDRESS, Difference, Mpu6050};
