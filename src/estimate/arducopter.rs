@@ -22,7 +22,7 @@ const SLOW_SPIN: f32 = 0.873;
 ///
 /// Judged by the mean rate since the last run, a shake would be fast or slow by how long that is.
 const SPIN_TIME: f32 = 0.2;
-/// The fastest rates that are believed, in rad/s: the MPU6050's range.
+/// The fastest rates that are believed, in rad/s: 2000 deg/s, the range of gyroscopes on drones.
 const FASTEST: Vec3 = Vec3::new(35.0, 35.0, 35.0);
 /// The most drift that is believed, in rad/s: more was taken out at rest.
 const MOST_DRIFT: Vec3 = Vec3::new(0.1, 0.1, 0.1);

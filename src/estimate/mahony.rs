@@ -19,7 +19,7 @@ use super::attitude::turned;
 use crate::math::{Quaternion, Vec3, limited, sin_cos, wrapped};
 use crate::settings::gains::cleanflight::Estimate;
 
-/// The largest bias that is learned, in rad/s: a healthy MPU6050 has less at rest.
+/// The largest bias that is learned, in rad/s: a healthy gyroscope has less at rest.
 const LARGEST_BIAS: f32 = 0.5;
 
 /// What tells the estimate's errors, beside the motion itself.

@@ -7,7 +7,7 @@
 //! goal, setpoint --^                  |     rotation --+             +--> command
 //!             climb --> lift ---------+--> thrust, hover ------------+
 //! ```
-//! `motion` sums what the MPU6050's gyroscope and accelerometer saw since the last run: it is
+//! `motion` sums what the gyroscope and accelerometer measured since the last run: it is
 //! the accelerometer that shows this logic the vertical and how the drone climbs.
 //!
 //! | here | there |

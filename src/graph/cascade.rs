@@ -8,7 +8,7 @@
 //! motion (clock) --> integrals -----------------------+             |
 //! setpoint's thrust ------------------------------------------------+
 //! ```
-//! `motion` sums what the MPU6050's gyroscope and accelerometer saw since the last run; it clocks
+//! `motion` sums what the gyroscope and accelerometer measured since the last run; it clocks
 //! every state, so that what they come to does not depend on how often control runs.
 
 use super::{ControlLogic, standard_inputs, tuned};

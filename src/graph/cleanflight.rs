@@ -17,9 +17,10 @@
 //! `navigation.c` (GPS hold). Only the structure and the gains are its own; how gains and fixed
 //! rates were converted stands in [`crate::control::cleanflight`].
 //!
-//! Its accelerometer is the MPU6050's, in the same burst as the rates, so it comes in `motion`.
-//! The LSM303AGR's gives the heading's field its vertical only. A goal is flown from the first
-//! place behind it on, until it goes; the sticks of the original are the setpoint.
+//! Its accelerometer is the inertial sensor's, in the same burst as the rates, so it comes in
+//! `motion`. An accelerometer that compares gives the heading's field its vertical only. A goal is
+//! flown from the first place behind it on, until it goes; the sticks of the original are the
+//! setpoint.
 
 use super::{ControlLogic, place_inputs, standard_inputs, tuned};
 use crate::airframe::{Evenly, Mixed, Mixer};

@@ -15,8 +15,8 @@
 //! Stabilization (`outerloop.c`, `innerloop.c`, settings bank 1), AltitudeHold and
 //! VtolPathFollower; written anew, for runs at any spacing. Gains are in
 //! `config/logics/openpilot.toml`; `control/openpilot.rs` and `estimate/openpilot.rs` say how
-//! they were converted. The attitude follows the MPU6050's accelerometer, as `motion` sums it.
-//! Left out: modes for sticks only (axis lock, weak levelling, virtual bar, rattitude), cruise
+//! they were converted. The attitude follows the inertial sensor's accelerometer, as `motion`
+//! sums it. Left out: modes for sticks only (axis lock, weak levelling, virtual bar, rattitude), cruise
 //! control, landing, and scaling of gains by thrust.
 
 use super::{ControlLogic, place_inputs, standard_inputs, tuned};

@@ -6,7 +6,7 @@ use crate::sensors::GRAVITY;
 use crate::settings::gains::cleanflight::Altitude;
 use core::f32::consts::TAU;
 
-/// The largest acceleration that is believed, in m/s2: the MPU6050's range.
+/// The largest acceleration that is believed, in m/s2: just above 16 g, the range of accelerometers on drones.
 const LARGEST: f32 = 160.0;
 
 /// How the vertical speed changes.
