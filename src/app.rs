@@ -19,15 +19,16 @@ pub use call::{Call, CallRing, DecodeError, LONGEST_RECORD, RING_LENGTH, Ran, Re
 pub use door::{ChipAction, ChipOrder, ChipSetting, Fault, OrderError};
 pub use telemetry::{Event, Events, Telemetry};
 
+use crate::airframe::Mixer;
 use crate::control::Setpoint;
 use crate::estimate::{Motion, Place};
-use crate::graph::{ControlLogic, Flown};
+use crate::graph::{ControlLogic, Flown, Tuned};
 use crate::link::{Answer, Destination, ExternalPose, Message};
 use crate::math::wrapped;
 use crate::reactive::{FallbackReason, Fit, PhaseEvent, Reactive, Refit, RefitJob, Review, Run};
 use crate::safety::{Arming, ArmingEvent, MotorOutput, Passed, Refusal, Safety};
 use crate::sensors::{ChipSample, ImuReading, Input, Inputs};
-use crate::settings::Settings;
+use crate::settings::{Settings, Start};
 use crate::time::Instant;
 use chips::Chips;
 use demand::{Demand, Flight};
@@ -54,10 +55,12 @@ pub struct Autopilot<R, L = Flown> {
 }
 
 impl<R: Recorder> Autopilot<R> {
-    /// On the ground, not calibrated, with checked settings and the control logic built in.
+    /// On the ground, not calibrated, with what was checked at the start; flies the control logic
+    /// that is built in.
     #[must_use]
-    pub fn new(settings: Settings, recorder: R) -> Self {
-        Self::with_logic(settings, recorder, Flown::default())
+    pub fn new(start: &Start<<Flown as Tuned>::Gains>, recorder: R) -> Self {
+        let logic = Flown::with(start.gains, Mixer::new(&start.airframe));
+        Self::with_logic(start.settings, recorder, logic)
     }
 }
 

@@ -11,6 +11,7 @@ pub use logic::{ControlLogic, Tuned};
 use logic::{place_inputs, standard_inputs, tuned};
 
 use crate::config::HYPERPERIOD;
+use crate::settings::Start;
 
 /// A module and a type for each page, and the one that is flown.
 macro_rules! pages {
@@ -21,6 +22,14 @@ macro_rules! pages {
         /// The control logic that `config/selection.toml` names.
         #[cfg(logic = $name)]
         pub type Flown = $Logic;
+
+        /// What a start is given where no block brings anything else: what `config/` says.
+        #[cfg(logic = $name)]
+        pub const CONFIGURED: Start<<Flown as Tuned>::Gains> = Start {
+            settings: crate::config::SETTINGS,
+            airframe: crate::config::GEOMETRY,
+            gains: crate::config::$module::GAINS,
+        };
     )*};
 }
 

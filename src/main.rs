@@ -119,7 +119,7 @@ mod app {
         failsafe::spawn().expect("spawned once");
         heartbeat::spawn().expect("spawned once");
         let shared = Shared {
-            autopilot: Autopilot::new(board.settings, calls),
+            autopilot: Autopilot::new(&board.start, calls),
             motors: board.motors,
             imu_bus: board.imu_bus,
             fetches: Fetches::default(),

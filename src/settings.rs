@@ -1,4 +1,4 @@
-//! Options for the unmodified firmware: checked, and as a checksummed block.
+//! What the unmodified firmware is given at its start, checked, and as a checksummed block.
 //!
 //! A replay (or a bootloader) writes the block to the symbol `REFLEX_SETTINGS` in memory that
 //! start-up leaves alone. Absent or wrong in any way, the values built from `config/` hold,
@@ -6,6 +6,6 @@
 
 pub use reflex_settings::gains;
 pub use reflex_settings::{
-    Airframe, AirframeError, BLOCK_LENGTH, BlockError, Declared, FEWEST_MOTORS, Feedback, Limits,
-    MOST_MOTORS, Motor, MotorProtocol, OutOfRange, Pairs, Policy, Reference, Settings, WarmUp,
+    Airframe, AirframeError, BlockError, Declared, FEWEST_MOTORS, Feedback, Limits, MOST_MOTORS,
+    Motor, MotorProtocol, OutOfRange, Pairs, Policy, Reference, Settings, Start, WarmUp,
 };

@@ -19,7 +19,7 @@ mod vehicle;
 
 use std::path::{Path, PathBuf};
 
-use reflex_settings::{Range, Settings, within};
+use reflex_settings::Settings;
 use serde::Deserialize;
 
 pub use airframe::{Airframe, Motor, Spin};
@@ -62,8 +62,6 @@ pub struct Configuration {
     pub board: Values,
     /// Where the motors are.
     pub airframe: Airframe,
-    /// How many times as fast attitude and rate loops are as their files say; 1 but for experiments.
-    pub bandwidth: f64,
     /// The gains of every control logic, selected or not.
     pub logics: Vec<Logic>,
 }
@@ -93,10 +91,7 @@ pub fn load(dir: &Path) -> Result<Configuration, ConfigError> {
 }
 
 /// As [`load`]; `REFLEX_BOARD`, `REFLEX_AIRFRAME` and `REFLEX_LOGIC` come before the selection.
-///
-/// `REFLEX_BANDWIDTH`, 0.25 to 4, makes attitude and rate loops so many times as fast: an
-/// experiment across all control logics. `variable` is asked for the value of each; none, or an
-/// empty one, leaves the file's choice.
+/// `variable` is asked for the value of each; none, or an empty one, leaves the file's choice.
 ///
 /// # Errors
 /// As [`load`]; what a variable says wrong is said of that variable.
@@ -129,13 +124,7 @@ pub fn load_chosen(
     airframe.check(&document)?;
 
     selected("logic", "logics", &mut selection.logic)?;
-    let mut logics = logic::load_all(dir)?;
-    let bandwidth = bandwidth(variable(BANDWIDTH))?;
-    for logic in &mut logics {
-        logic
-            .quicken(bandwidth)
-            .map_err(|message| ConfigError::of_file(Path::new(BANDWIDTH), message))?;
-    }
+    let logics = logic::load_all(dir)?;
 
     let document = Document::open(&dir.join("reactive.toml"))?;
     let reactive = document.values(&reactive::file())?;
@@ -154,28 +143,8 @@ pub fn load_chosen(
         reactive,
         board,
         airframe,
-        bandwidth,
         logics,
     })
-}
-
-/// The variable that makes loops faster or slower.
-const BANDWIDTH: &str = "REFLEX_BANDWIDTH";
-
-/// How many times as fast loops may be.
-const BANDWIDTHS: Range = within(0.25, 4.0);
-
-fn bandwidth(text: Option<String>) -> Result<f64, ConfigError> {
-    let Some(text) = text.filter(|text| !text.is_empty()) else {
-        return Ok(1.0);
-    };
-    match text.parse() {
-        Ok(bandwidth) if BANDWIDTHS.contains(bandwidth) => Ok(bandwidth),
-        _ => Err(ConfigError::of_file(
-            Path::new(BANDWIDTH),
-            format!("{text} is out of range, must be {BANDWIDTHS}"),
-        )),
-    }
 }
 
 /// The file that a name selects, or what could be selected instead.

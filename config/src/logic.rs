@@ -29,7 +29,16 @@ pub(crate) fn load_all(dir: &Path) -> Result<Vec<Logic>, ConfigError> {
         let message = "no control logic of this name: settings/src/logics.rs does not list it";
         return Err(ConfigError::of_file(&file, message));
     }
-    let read = |declared: &'static LogicGains| {
+    let load = |declared| Logic::load(dir, declared);
+    LOGICS.iter().map(load).collect()
+}
+
+impl Logic {
+    /// Reads and checks the gains of one control logic, from the folder of the configuration.
+    ///
+    /// # Errors
+    /// The first thing that is wrong with its file.
+    pub fn load(dir: &Path, declared: &'static LogicGains) -> Result<Self, ConfigError> {
         let file = dir.join("logics").join(format!("{}.toml", declared.logic));
         let values = Document::open(&file)?.values(&schema(declared.gains))?;
         let numbers = values.0.iter().flat_map(|(_, _, value)| match value {
@@ -37,15 +46,12 @@ pub(crate) fn load_all(dir: &Path) -> Result<Vec<Logic>, ConfigError> {
             Value::Number(number) => vec![*number],
             _ => Vec::new(),
         });
-        Ok(Logic {
+        Ok(Self {
             declared,
             numbers: numbers.collect(),
         })
-    };
-    LOGICS.iter().map(read).collect()
-}
+    }
 
-impl Logic {
     /// Each gain and its value.
     pub(crate) fn gains(&self) -> Values {
         let mut numbers = self.numbers.iter().copied();
@@ -64,7 +70,7 @@ impl Logic {
     ///
     /// # Errors
     /// A gain that leaves its range, with the number that it would be.
-    pub(crate) fn quicken(&mut self, bandwidth: f64) -> Result<(), String> {
+    pub fn quicken(&mut self, bandwidth: f64) -> Result<(), String> {
         let quickened = self.declared.quicken(&mut self.numbers, bandwidth);
         quickened.map_err(
             |OutOfRange {
@@ -73,7 +79,7 @@ impl Logic {
                  range,
              }| {
                 let (logic, path) = (self.declared.logic, gain.path());
-                format!("{bandwidth} brings {logic}'s {path} to {number}, must be {range}")
+                format!("{bandwidth}: brings {logic}'s {path} to {number}, must be {range}")
             },
         )
     }

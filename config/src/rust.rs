@@ -60,12 +60,6 @@ impl Configuration {
             text("AIRFRAME", &chosen.airframe, "Name of the airframe."),
             text("LOGIC", &chosen.logic, "Name of the control logic."),
             constant(
-                "BANDWIDTH",
-                "f32",
-                literal(self.bandwidth),
-                "How many times as fast attitude and rate loops are as configured.",
-            ),
-            constant(
                 "HYPERPERIOD",
                 "Duration",
                 format!("micros({})", self.hyperperiod_us()),

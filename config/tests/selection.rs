@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use reflex_config::{ConfigError, Configuration, load_chosen};
+use reflex_config::{ConfigError, Configuration, Logic, load_chosen};
+use reflex_settings::gains::LOGICS;
 
 /// The shipped configuration with one variable set.
 fn with(variable: &str, value: &str) -> Result<Configuration, ConfigError> {
@@ -44,60 +45,42 @@ fn an_unknown_name_is_said_of_its_variable_with_those_that_are_known() {
     }
 }
 
-#[test]
-fn a_bandwidth_multiplies_the_gains_of_attitude_and_rate_loops() {
-    let gains = |factor: &str| {
-        let source = with("REFLEX_BANDWIDTH", factor).unwrap().to_rust();
-        let entry = |name: &str| {
-            let line = source.lines().find(|line| line.contains(name)).unwrap();
-            line.split('"').nth(3).unwrap().to_owned()
-        };
-        ["rate.p", "rate.i", "attitude.p", "rate.d_cutoff_hz"]
-            .map(|gain| entry(&format!("[\"cascade.{gain}\"")))
-    };
-    assert_eq!(
-        gains(""),
-        [
-            "[0.06, 0.06, 0.1]",
-            "[0.06, 0.06, 0.05]",
-            "[6.0, 6.0, 3.0]",
-            "20.0"
-        ]
-    );
-    assert_eq!(
-        gains("2"),
-        [
-            "[0.12, 0.12, 0.2]",
-            "[0.24, 0.24, 0.2]",
-            "[12.0, 12.0, 6.0]",
-            "20.0"
-        ]
-    );
+fn quickened(logic: &str, bandwidth: f64) -> Result<Logic, String> {
+    let declared = LOGICS.iter().find(|it| it.logic == logic).unwrap();
+    let mut logic = Logic::load(Path::new(env!("CARGO_MANIFEST_DIR")), declared).unwrap();
+    logic.quicken(bandwidth).map(|()| logic)
 }
 
 #[test]
-fn a_bandwidth_that_is_no_number_or_brings_a_gain_out_of_its_range_is_refused() {
-    for (factor, expected) in [
-        (
-            "fast",
-            "REFLEX_BANDWIDTH: fast is out of range, must be 0.25 to 4",
-        ),
-        (
-            "nan",
-            "REFLEX_BANDWIDTH: nan is out of range, must be 0.25 to 4",
-        ),
-        (
-            "5",
-            "REFLEX_BANDWIDTH: 5 is out of range, must be 0.25 to 4",
-        ),
-        (
-            "4",
-            "REFLEX_BANDWIDTH: 4 brings arducopter's angle.p to 18, must be above 0 and at most 12",
-        ),
-    ] {
-        assert_eq!(
-            with("REFLEX_BANDWIDTH", factor).unwrap_err().to_string(),
-            expected
-        );
-    }
+fn a_bandwidth_multiplies_the_gains_of_attitude_and_rate_loops() {
+    let gains = |bandwidth| {
+        let Logic { declared, numbers } = quickened("cascade", bandwidth).unwrap();
+        let each = declared.gains.iter();
+        let places = each.flat_map(|gain| vec![gain.path().to_string(); gain.kind.numbers()]);
+        let named = places.zip(numbers);
+        let of = |key: &str| -> Vec<f64> {
+            let named = named.clone().filter(|(path, _)| path == key);
+            named.map(|(_, number)| number).collect()
+        };
+        ["rate.p", "rate.i", "attitude.p", "rate.d_cutoff_hz"].map(of)
+    };
+    let [p, i, attitude, cutoff] = gains(1.0);
+    let times = |factor: f64, numbers: &[f64]| -> Vec<f64> {
+        numbers.iter().map(|number| number * factor).collect()
+    };
+    let expected = [
+        times(2.0, &p),
+        times(4.0, &i),
+        times(2.0, &attitude),
+        cutoff,
+    ];
+    assert_eq!(gains(2.0), expected);
+}
+
+#[test]
+fn a_bandwidth_that_brings_a_gain_out_of_its_range_is_refused() {
+    assert_eq!(
+        quickened("arducopter", 4.0),
+        Err("4: brings arducopter's angle.p to 18, must be above 0 and at most 12".to_owned())
+    );
 }

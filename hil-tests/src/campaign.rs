@@ -33,13 +33,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use reflex::config::AIRFRAME;
 
 use crate::progress::Progress;
 use crate::refusal::Refusal;
 
 pub use comparison::{Cell, Compared, Comparison, Metric};
-pub use crew::{Crew, Here, Programs, WORKER, serve};
+pub use crew::{Crew, Here};
 pub use findings::Findings;
 pub use interval::Interval;
 pub use plan::Plan;
@@ -130,7 +129,7 @@ struct Flying<'p> {
 }
 
 impl Flying<'_> {
-    /// A part, airframe by airframe: load, then reactive control, then what it decides.
+    /// A part, wave by wave: load, then reactive control, then what it decides.
     fn all(
         &mut self,
         shard: Option<Shard>,
@@ -143,27 +142,17 @@ impl Flying<'_> {
             let line = journal::ways_line(&self.stamp, crew.ways(progress)?)?;
             self.journal.write(&line)?;
         }
-        let mut airframes: Vec<&String> = self.plan.airframes.iter().collect();
-        // This very program first: building another one takes its place on disk.
-        airframes.sort_by_key(|name| *name != AIRFRAME);
-        for airframe in airframes {
-            let own: BTreeSet<&Sortie> = part
-                .iter()
-                .filter(|sortie| sortie.airframe == *airframe)
-                .collect();
-            let waves = own.iter().map(|sortie| (sortie.tier, sortie.role.wave()));
-            for (tier, wave) in waves.collect::<BTreeSet<_>>() {
-                let of_wave = |it: &&Sortie| (it.tier, it.role.wave()) == (tier, wave);
-                let sorties = own.iter().copied().filter(of_wave);
-                self.wave(airframe, sorties, crew, progress)?;
-            }
+        let wave = |sortie: &Sortie| (sortie.tier, sortie.role.wave());
+        for next in part.iter().map(wave).collect::<BTreeSet<_>>() {
+            let sorties = part.iter().filter(|sortie| wave(sortie) == next);
+            self.wave(next.0, sorties, crew, progress)?;
         }
         Ok(())
     }
 
     fn wave<'s>(
         &mut self,
-        airframe: &str,
+        tier: Tier,
         sorties: impl Iterator<Item = &'s Sortie>,
         crew: &mut dyn Crew,
         progress: &mut dyn Progress,
@@ -171,40 +160,14 @@ impl Flying<'_> {
         let records = &self.journal.records;
         let left = sorties.filter(|sortie| !records.flights.contains_key(sortie));
         let mut jobs: Vec<Job> = left.filter_map(|sortie| self.job(sortie)).collect();
+        if jobs.is_empty() {
+            return Ok(());
+        }
         // The longest first, so that no core is left alone with it.
         jobs.sort_by_key(|job| std::cmp::Reverse(job.sortie.duration_s));
-        let mut bandwidths: Vec<u32> = jobs.iter().map(|job| job.bandwidth).collect();
-        // Loops as configured first: this very program flies them.
-        bandwidths.sort_by_key(|percent| (*percent != AS_CONFIGURED, *percent));
-        bandwidths.dedup();
-        for bandwidth in bandwidths {
-            let own = jobs.iter().filter(|job| job.bandwidth == bandwidth);
-            self.orders(
-                (airframe, bandwidth),
-                own.cloned().collect(),
-                crew,
-                progress,
-            )?;
-        }
-        Ok(())
-    }
-
-    /// Has jobs flown by the one program that can.
-    fn orders(
-        &mut self,
-        (airframe, bandwidth): (&str, u32),
-        jobs: Vec<Job>,
-        crew: &mut dyn Crew,
-        progress: &mut dyn Progress,
-    ) -> Result<()> {
-        let Some(first) = jobs.first() else {
-            return Ok(());
-        };
         let orders = Orders {
             stamp: self.stamp.clone(),
-            airframe: airframe.to_owned(),
-            bandwidth,
-            tier: first.sortie.tier,
+            tier,
             jobs,
         };
         let (mut done, of) = (0, orders.jobs.len());

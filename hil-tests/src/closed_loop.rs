@@ -39,7 +39,7 @@ use reflex_config::Airframe;
 use reflex_config::plant::{Environment, Vehicle};
 
 use crate::firmware::Firmware;
-use crate::logics::LogicName;
+use crate::logics::AnyGains;
 use crate::progress::Progress;
 
 use flight::Flight;
@@ -68,23 +68,26 @@ pub struct Scene {
     pub environment: Environment,
     /// The drone as a body.
     pub vehicle: Vehicle,
-    /// Where its motors are: the airframe that this program was built for.
+    /// Name of the airframe.
+    pub airframe_name: String,
+    /// Where its motors are.
     pub airframe: Airframe,
 }
 
 impl Scene {
-    /// The airframe that this program was built for, in an environment of the configuration.
+    /// An airframe in an environment, both of the configuration.
     ///
     /// # Errors
     /// An unknown name, with those that are known; a file with something wrong in it.
-    pub fn load(environment: &str) -> Result<Self> {
+    pub fn load(environment: &str, airframe: &str) -> Result<Self> {
         let config = crate::toolchain::root().join("config");
-        let (vehicle, airframe) = Vehicle::load(&config, reflex::config::AIRFRAME)?;
+        let (vehicle, of_motors) = Vehicle::load(&config, airframe)?;
         Ok(Self {
             environment_name: environment.to_owned(),
             environment: Environment::load(&config, environment)?,
             vehicle,
-            airframe,
+            airframe_name: airframe.to_owned(),
+            airframe: of_motors,
         })
     }
 }
@@ -92,8 +95,10 @@ impl Scene {
 /// What is flown, and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlyOptions {
-    /// The control logic.
-    pub logic: LogicName,
+    /// The gains of the control logic, which say its name.
+    pub gains: AnyGains,
+    /// How many times as fast as configured they make attitude and rate loops.
+    pub bandwidth: f64,
     /// The autopilot's settings; its seed is that of everything.
     pub settings: Settings,
     /// What the drone is to do.

@@ -6,6 +6,7 @@
 mod bar;
 mod bench;
 mod campaign;
+mod flight_numbers;
 mod fly;
 mod graph;
 mod quantities;
@@ -50,9 +51,6 @@ enum Command {
     Fly(Box<fly::FlyArguments>),
     /// Fly hundreds of simulated hours, reactive against periodic control, and report
     Campaign(campaign::CampaignArguments),
-    /// Fly the jobs on stdin, for a campaign of another program
-    #[command(name = crate::campaign::WORKER, hide = true)]
-    CampaignWorker,
     /// Count the instructions of every part on the emulated core, against its limit
     Bench(bench::BenchArguments),
     /// Draw a control logic as a graph, for Graphviz and as SVG
@@ -79,7 +77,6 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Replay(arguments) => replay::run(arguments),
         Command::Fly(arguments) => fly::run(arguments),
         Command::Campaign(arguments) => campaign::run(arguments),
-        Command::CampaignWorker => campaign::work(),
         Command::Bench(arguments) => bench::run(arguments),
         Command::Graph(arguments) => graph::run(arguments),
         Command::Test => test::run(),
@@ -103,14 +100,6 @@ fn exit_code(error: &anyhow::Error) -> u8 {
 fn complain(line: &str) {
     // Where stderr is closed, there is nowhere to write.
     let _ = writeln!(std::io::stderr(), "{line}");
-}
-
-/// Goes on as another build of this program, called with the same arguments.
-fn become_program(mut program: std::process::Command) -> Result<()> {
-    program.args(std::env::args_os().skip(1));
-    let status = program.status()?;
-    // What there was to say, the other program has said.
-    std::process::exit(status.code().unwrap_or(i32::from(FAILED)));
 }
 
 /// Writes a command's result to stdout.

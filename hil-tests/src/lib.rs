@@ -15,7 +15,6 @@
 //! - [`firmware`]: builds and measures the ELF, with the [`toolchain`] it needs
 //! - [`commands`]: the command line of `cargo hil`
 
-pub mod airframes;
 pub mod campaign;
 mod clock;
 pub mod closed_loop;

@@ -1,18 +1,23 @@
 //! Any control logic, chosen while the program runs: the firmware has one built in.
 
+mod start;
 mod tapped;
 #[cfg(test)]
 mod tests;
 
 use clap::ValueEnum;
-use reflex::airframe::Mixed;
+use reflex::airframe::{Mixed, Mixer};
+use reflex::config;
 use reflex::control::{Goal, Setpoint};
 use reflex::dataflow::{Description, Dirty};
 use reflex::estimate::{Motion, Place};
-use reflex::graph::{self, ControlLogic};
+use reflex::graph::{self, ControlLogic, Tuned};
 use reflex::math::{Quaternion, Vec3};
+use reflex::settings;
+use reflex::settings::gains::{self, Gains, LogicGains};
 use reflex::units::Thrust;
 
+pub use start::Start;
 pub use tapped::steps_of;
 
 /// What the one list of control logics makes here: their names, and a value of any of them.
@@ -30,6 +35,42 @@ macro_rules! any_logic {
             $($(#[$doc])* $Logic(graph::$Logic),)*
         }
 
+        /// The gains of a control logic, which say its name.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum AnyGains {
+            $($(#[$doc])* $Logic(gains::$module::Gains),)*
+        }
+
+        impl AnyGains {
+            /// The name of their control logic.
+            #[must_use]
+            pub fn name(&self) -> LogicName {
+                match self {
+                    $(Self::$Logic(_) => LogicName::$Logic,)*
+                }
+            }
+
+            /// Their logic on an airframe's mixer, not yet flown.
+            fn logic(self, mixer: Mixer) -> AnyLogic {
+                match self {
+                    $(Self::$Logic(gains) => AnyLogic::$Logic(graph::$Logic::with(gains, mixer)),)*
+                }
+            }
+        }
+
+        impl Start {
+            /// The settings block that gives firmware of this logic the same.
+            #[must_use]
+            pub fn to_bytes(&self) -> Vec<u8> {
+                let &Self { settings, airframe, gains } = self;
+                match gains {
+                    $(AnyGains::$Logic(gains) => {
+                        settings::Start { settings, airframe, gains }.to_bytes().to_vec()
+                    })*
+                }
+            }
+        }
+
         impl LogicName {
             /// As in `config/selection.toml`.
             #[must_use]
@@ -39,11 +80,25 @@ macro_rules! any_logic {
                 }
             }
 
-            /// A logic of this name, not yet flown.
+            /// Its gains, as `config/` has them.
             #[must_use]
-            pub fn logic(self) -> AnyLogic {
+            pub fn gains(self) -> AnyGains {
                 match self {
-                    $(Self::$Logic => AnyLogic::$Logic(graph::$Logic::default()),)*
+                    $(Self::$Logic => AnyGains::$Logic(config::$module::GAINS),)*
+                }
+            }
+
+            /// Gains of these numbers, in the order of its file; `None` where some are missing.
+            fn gains_of(self, numbers: &mut impl FnMut() -> Option<[u8; 4]>) -> Option<AnyGains> {
+                match self {
+                    $(Self::$Logic => gains::$module::Gains::read(numbers).map(AnyGains::$Logic),)*
+                }
+            }
+
+            /// What its file may say.
+            fn declared(self) -> &'static LogicGains {
+                match self {
+                    $(Self::$Logic => &gains::$module::DECLARED,)*
                 }
             }
 
@@ -73,7 +128,13 @@ impl LogicName {
     /// The one that is built into the firmware unless another is asked for.
     #[must_use]
     pub fn configured() -> Self {
-        Self::from_str(reflex::config::LOGIC, false).unwrap_or(Self::Cascade)
+        Self::from_str(config::LOGIC, false).unwrap_or(Self::Cascade)
+    }
+
+    /// A logic of this name as `config/` has it, not yet flown.
+    #[must_use]
+    pub fn logic(self) -> AnyLogic {
+        self.gains().logic(Mixer::default())
     }
 
     /// Its place in the one list.

@@ -51,6 +51,7 @@ pub struct Airframe {
 
 /// Why an airframe is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum AirframeError {
     /// Too few motors, or too many.
     Count(usize),
@@ -96,8 +97,8 @@ impl fmt::Display for AirframeError {
 }
 
 impl Airframe {
-    /// Numbers of an airframe: least command, motors, then angle and turn of each.
-    pub const WORDS: usize = 2 + 2 * MOST_MOTORS;
+    /// How many numbers [`Self::write`] hands on.
+    pub(crate) const WORDS: usize = 2 + 2 * MOST_MOTORS;
 
     /// An airframe of up to [`MOST_MOTORS`] motors, not yet checked; more are left out.
     #[must_use]
@@ -119,43 +120,30 @@ impl Airframe {
         airframe
     }
 
-    /// The airframe of such numbers, checked.
-    ///
-    /// # Errors
-    /// As [`Self::check`].
-    pub fn from_words(words: &[f32; Self::WORDS]) -> Result<Self, AirframeError> {
-        let [armed_minimum, count, motors @ ..] = words;
-        let count = *count as usize;
-        let mut airframe = Self::new(*armed_minimum, &[]);
-        let pairs = motors.as_chunks::<2>().0.iter();
-        for (place, [angle_deg, turn]) in airframe.motors.iter_mut().zip(pairs).take(count) {
-            *place = Motor {
-                angle_deg: *angle_deg,
-                clockwise: *turn > 0.0,
+    /// Reads what [`Self::write`] wrote, not yet checked; `None` where numbers are missing.
+    pub(crate) fn read(take: &mut impl FnMut() -> Option<[u8; 4]>) -> Option<Self> {
+        let mut number = || take().map(f32::from_le_bytes);
+        let (armed_minimum, count) = (number()?, number()?);
+        let mut airframe = Self::new(armed_minimum, &[]);
+        for motor in &mut airframe.motors {
+            *motor = Motor {
+                angle_deg: number()?,
+                clockwise: number()? > 0.0,
             };
         }
-        if count > MOST_MOTORS {
-            return Err(AirframeError::Count(count));
-        }
         airframe.count = count as u8;
-        airframe.check()?;
-        Ok(airframe)
+        Some(airframe)
     }
 
-    /// Its numbers: a propeller that turns clockwise is 1, another -1.
-    #[must_use]
-    pub fn to_words(&self) -> [f32; Self::WORDS] {
-        let mut words = [0.0; Self::WORDS];
-        let turn = |motor: &Motor| if motor.clockwise { 1.0 } else { -1.0 };
-        let motors = self.motors().iter();
-        let motors = motors.flat_map(|motor| [motor.angle_deg, turn(motor)]);
-        let head = [self.armed_minimum, f32::from(self.count)];
-        let all = head.into_iter().chain(motors);
-        words
-            .iter_mut()
-            .zip(all)
-            .for_each(|(word, number)| *word = number);
-        words
+    /// Hands its numbers' bytes on: least command, motors, then direction and turn of each place
+    /// for a motor. A propeller that turns clockwise is 1, another -1.
+    pub(crate) fn write(&self, put: &mut impl FnMut([u8; 4])) {
+        put(self.armed_minimum.to_le_bytes());
+        put(f32::from(self.count).to_le_bytes());
+        for motor in &self.motors {
+            put(motor.angle_deg.to_le_bytes());
+            put(if motor.clockwise { 1.0_f32 } else { -1.0 }.to_le_bytes());
+        }
     }
 
     /// The motors in the order of the outputs.
@@ -430,12 +418,42 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_were_written_are_read_and_checked() {
+    fn what_was_written_is_read() {
         let quad = airframe([45.0, 225.0, 315.0, 135.0], [CCW, CCW, CW, CW]);
-        assert_eq!(Airframe::from_words(&quad.to_words()), Ok(quad));
-        let mut words = quad.to_words();
-        words[1] = 9.0;
-        assert_eq!(Airframe::from_words(&words), Err(AirframeError::Count(9)));
+        let mut bytes = std::vec::Vec::new();
+        quad.write(&mut |number| bytes.push(number));
+        assert_eq!(bytes.len(), Airframe::WORDS);
+        let read = |bytes: std::vec::Vec<[u8; 4]>| {
+            let mut left = bytes.into_iter();
+            Airframe::read(&mut || left.next())
+        };
+        assert_eq!(read(bytes.clone()), Some(quad));
+        bytes[1] = 9.0_f32.to_le_bytes();
+        let nine = read(bytes.clone()).expect("complete");
+        assert_eq!(nine.check(), Err(AirframeError::Count(9)));
+        bytes.pop();
+        assert_eq!(read(bytes), None);
+    }
+
+    #[test]
+    fn directions_and_least_commands_that_are_none_are_refused() {
+        for wrong in [-1.0, 360.0, f32::NAN] {
+            let message = refusal([wrong, 225.0, 315.0, 135.0], [CCW, CCW, CW, CW]);
+            assert!(
+                message.ends_with("degrees are out of range, must be 0 to 360, 360 excluded"),
+                "{message}"
+            );
+        }
+        for wrong in [-0.1, 0.31, f32::NAN] {
+            let airframe = Airframe {
+                armed_minimum: wrong,
+                ..airframe([45.0, 225.0, 315.0, 135.0], [CCW, CCW, CW, CW])
+            };
+            assert!(matches!(
+                airframe.check(),
+                Err(AirframeError::ArmedMinimum(_))
+            ));
+        }
     }
 
     #[test]

@@ -1,89 +1,144 @@
-//! The bytes of the settings block, with which a host or a bootloader sets options.
+//! What a start is given, and the bytes by which a host or a bootloader gives it.
 //!
-//! Little-endian: magic `RFLX`, version, length, the fields in the order of their declaration,
-//! four bytes each, CRC-32 of all before it. The version follows from the fields' names.
+//! Little-endian: magic `RFLX`, version, length; then four bytes for each field: settings in the
+//! order of their declaration, airframe, gains in the order of their file; CRC-32 of all before
+//! it. The version follows from the names of settings, control logic and gains.
 
+use crate::airframe::{Airframe, AirframeError};
 use crate::bytes::{Vec, put, take};
 use crate::declare::Declared;
+use crate::gains::Gains;
 use crate::setting::{Limits, OutOfRange, Setting};
 use crate::settings::Settings;
 
 const MAGIC: [u8; 4] = *b"RFLX";
 const CHECKSUM: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
-const VERSION: u16 = version(Settings::SETTINGS);
+const HEAD_LENGTH: usize = 8;
 const CHECKSUM_LENGTH: usize = 4;
+/// No control logic has gains for a longer block.
+const LONGEST: usize = 1024;
 
-/// Length of the whole block in bytes.
-pub const BLOCK_LENGTH: usize = 8 + Settings::LENGTH + CHECKSUM_LENGTH;
-
-/// A number that differs where names or order of the fields do.
-const fn version(mut settings: &[Setting]) -> u16 {
-    let mut digest = CHECKSUM.digest();
-    while let [setting, rest @ ..] = settings {
-        digest.update(setting.name.as_bytes());
-        digest.update(b",");
-        settings = rest;
-    }
-    digest.finalize() as u16
+/// What a start of the firmware is given: nothing of it takes a build.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start<G> {
+    /// When control runs, and how it learns when to.
+    pub settings: Settings,
+    /// Where the motors are.
+    pub airframe: Airframe,
+    /// The gains of the control logic that is built in.
+    pub gains: G,
 }
 
-/// Why a block is not settings.
+/// Why a block is not what a start can be given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum BlockError {
     /// No block is there: the magic is missing.
     Absent,
-    /// The block is of another version or length.
+    /// The block is of another version, length or control logic.
     Version,
     /// The checksum does not match.
     Checksum,
     /// A choice has a number that means nothing.
     Choice,
-    /// A field is out of its range.
+    /// A setting is out of its range.
     Range(OutOfRange),
+    /// The airframe cannot fly.
+    Airframe(AirframeError),
+    /// The gain in this place of its file is out of its range.
+    Gain(usize),
 }
 
-impl Settings {
-    /// The block that [`Settings::from_bytes`] reads.
+impl<G: Gains> Start<G> {
+    /// Length of the whole block in bytes.
+    pub const LENGTH: usize = HEAD_LENGTH
+        + Settings::LENGTH
+        + 4 * (Airframe::WORDS + G::DECLARED.words())
+        + CHECKSUM_LENGTH;
+
+    /// A number that differs where the names or the order of the fields do.
+    const VERSION: u16 = {
+        let logic = [Setting::of([G::DECLARED.logic, ""], crate::Kind::Flag, "")];
+        let digest = CHECKSUM.digest();
+        let digest = named(named(digest, Settings::SETTINGS), &logic);
+        named(digest, G::DECLARED.gains).finalize() as u16
+    };
+
+    /// The block that [`Self::from_bytes`] reads.
     #[must_use]
-    pub fn to_bytes(&self) -> [u8; BLOCK_LENGTH] {
-        let mut bytes = Vec::<u8, BLOCK_LENGTH>::new();
+    pub fn to_bytes(&self) -> Vec<u8, LONGEST> {
+        const { assert!(Self::LENGTH <= LONGEST) }
+        let mut bytes = Vec::new();
         put(&mut bytes, &MAGIC);
-        put(&mut bytes, &VERSION.to_le_bytes());
-        put(&mut bytes, &(BLOCK_LENGTH as u16).to_le_bytes());
-        self.write(&mut |field| put(&mut bytes, &field));
+        put(&mut bytes, &Self::VERSION.to_le_bytes());
+        put(&mut bytes, &(Self::LENGTH as u16).to_le_bytes());
+        let mut field = |field: [u8; 4]| put(&mut bytes, &field);
+        self.settings.write(&mut field);
+        self.airframe.write(&mut field);
+        self.gains.write(&mut field);
         let checksum = CHECKSUM.checksum(&bytes);
         put(&mut bytes, &checksum.to_le_bytes());
-        bytes.into_array().unwrap_or([0; BLOCK_LENGTH])
+        bytes
     }
 
     /// Reads a block.
     ///
     /// # Errors
-    /// Why it is not a block of valid settings; nothing of a wrong block is used.
-    pub fn from_bytes(bytes: &[u8; BLOCK_LENGTH], limits: &Limits) -> Result<Self, BlockError> {
-        let (mut content, checksum) = bytes.split_at(BLOCK_LENGTH - CHECKSUM_LENGTH);
+    /// Why it is none that a start can be given; nothing of a wrong block is used.
+    pub fn from_bytes(bytes: &[u8], limits: &Limits) -> Result<Self, BlockError> {
+        let (mut content, checksum) = bytes
+            .split_at_checked(Self::LENGTH - CHECKSUM_LENGTH)
+            .ok_or(BlockError::Absent)?;
         let expected = CHECKSUM.checksum(content);
         if take(&mut content) != Some(MAGIC) {
             return Err(BlockError::Absent);
         }
         let mut number = || take(&mut content).map(u16::from_le_bytes);
-        if (number(), number()) != (Some(VERSION), Some(BLOCK_LENGTH as u16)) {
+        if (number(), number()) != (Some(Self::VERSION), Some(Self::LENGTH as u16)) {
             return Err(BlockError::Version);
         }
         if expected.to_le_bytes() != checksum {
             return Err(BlockError::Checksum);
         }
-        let settings = Self::read(&mut || take(&mut content)).ok_or(BlockError::Choice)?;
+        let mut field = || take(&mut content);
+        let settings = Settings::read(&mut field).ok_or(BlockError::Choice)?;
+        let airframe = Airframe::read(&mut field).ok_or(BlockError::Choice)?;
+        let gains = G::read(&mut field).ok_or(BlockError::Choice)?;
         settings.check(limits).map_err(BlockError::Range)?;
-        Ok(settings)
+        airframe.check().map_err(BlockError::Airframe)?;
+        gains.check().map_err(BlockError::Gain)?;
+        Ok(Self {
+            settings,
+            airframe,
+            gains,
+        })
     }
+}
+
+/// A digest that also follows names and places of settings.
+const fn named<'c>(
+    mut digest: crc::Digest<'c, u32>,
+    mut settings: &[Setting],
+) -> crc::Digest<'c, u32> {
+    while let [setting, rest @ ..] = settings {
+        digest.update(setting.name.as_bytes());
+        digest.update(setting.section.as_bytes());
+        digest.update(b".");
+        digest.update(setting.key.as_bytes());
+        digest.update(b",");
+        settings = rest;
+    }
+    digest
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Feedback, Input, Inputs, MotorProtocol, Pairs, Policy, Reference, WarmUp, micros};
+    use crate::gains::cascade::Gains as Cascade;
+    use crate::gains::openpilot::Gains as OpenPilot;
+    use crate::{
+        Feedback, Input, Inputs, Motor, MotorProtocol, Pairs, Policy, Reference, WarmUp, micros,
+    };
     use proptest::prelude::*;
 
     const LIMITS: Limits = Limits {
@@ -102,14 +157,29 @@ mod tests {
         .expect("defaults")
     }
 
-    fn read(bytes: &[u8; BLOCK_LENGTH]) -> Result<Settings, BlockError> {
-        Settings::from_bytes(bytes, &LIMITS)
+    /// A quadrotor with these settings.
+    fn start(settings: Settings) -> Start<Cascade> {
+        let motors = [(45.0, false), (225.0, false), (315.0, true), (135.0, true)];
+        let motors = motors.map(|(angle_deg, clockwise)| Motor {
+            angle_deg,
+            clockwise,
+        });
+        Start {
+            settings,
+            airframe: Airframe::new(0.05, &motors),
+            gains: Cascade::default(),
+        }
+    }
+
+    fn read(bytes: &[u8]) -> Result<Start<Cascade>, BlockError> {
+        Start::from_bytes(bytes, &LIMITS)
     }
 
     #[test]
     fn an_absent_block_is_told_from_a_broken_one() {
-        assert_eq!(read(&[0; BLOCK_LENGTH]), Err(BlockError::Absent));
-        let mut bytes = shipped().to_bytes();
+        let mut bytes = start(shipped()).to_bytes();
+        assert_eq!(read(&[0; 1000][..bytes.len()]), Err(BlockError::Absent));
+        assert_eq!(read(&[]), Err(BlockError::Absent));
         bytes[20] ^= 1;
         assert_eq!(read(&bytes), Err(BlockError::Checksum));
     }
@@ -120,11 +190,39 @@ mod tests {
             p_run: 1.0,
             ..shipped()
         };
-        let refused = read(&settings.to_bytes());
+        let refused = read(&start(settings).to_bytes());
         let Err(BlockError::Range(refused)) = refused else {
             panic!("{refused:?}");
         };
         assert_eq!(refused.setting.name, "p_run");
+    }
+
+    #[test]
+    fn a_block_of_another_logic_is_refused() {
+        let Start {
+            settings, airframe, ..
+        } = start(shipped());
+        let other = Start {
+            settings,
+            airframe,
+            gains: OpenPilot::default(),
+        };
+        let mut bytes = other.to_bytes().to_vec();
+        bytes.resize(1000, 0);
+        assert_eq!(
+            read(&bytes[..Start::<Cascade>::LENGTH]),
+            Err(BlockError::Version)
+        );
+    }
+
+    #[test]
+    fn a_block_with_an_airframe_or_a_gain_out_of_range_is_refused() {
+        let mut start = start(shipped());
+        start.gains.rate.integral_limit = f32::NAN;
+        assert_eq!(read(&start.to_bytes()), Err(BlockError::Gain(8)));
+        start.airframe = Airframe::new(0.05, &[]);
+        let refused = Err(BlockError::Airframe(AirframeError::Count(0)));
+        assert_eq!(read(&start.to_bytes()), refused);
     }
 
     proptest! {
@@ -154,12 +252,13 @@ mod tests {
                 period: micros(period.unwrap_or(2_500)),
                 ..settings
             };
-            prop_assert_eq!(read(&settings.to_bytes()), Ok(settings));
+            let start = start(settings);
+            prop_assert_eq!(read(&start.to_bytes()), Ok(start));
         }
 
         #[test]
-        fn any_flipped_bit_is_noticed(byte in 0..BLOCK_LENGTH, bit in 0u32..8) {
-            let mut bytes = shipped().to_bytes();
+        fn any_flipped_bit_is_noticed(byte in 0..Start::<Cascade>::LENGTH, bit in 0u32..8) {
+            let mut bytes = start(shipped()).to_bytes();
             bytes[byte] ^= 1u8 << bit;
             prop_assert!(read(&bytes).is_err());
         }

@@ -14,6 +14,31 @@ pub struct LogicGains {
     pub gains: &'static [Setting],
 }
 
+/// The values of one control logic's gains.
+pub trait Gains: Copy + PartialEq + 'static {
+    /// What its file may say.
+    const DECLARED: LogicGains;
+
+    /// Hands every number's bytes on, in the order of the file.
+    fn write(&self, put: &mut impl FnMut([u8; 4]));
+
+    /// Reads what [`Self::write`] wrote; `None` where numbers are missing.
+    fn read(take: &mut impl FnMut() -> Option<[u8; 4]>) -> Option<Self>;
+
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// The place in the file of the first gain that is out of its range.
+    fn check(&self) -> Result<(), usize>;
+}
+
+/// The place of the first gain that has a number out of its range.
+fn outside(gains: &[&[f32]], ranges: &[Range]) -> Option<usize> {
+    let inside = |range: &Range, number: &f32| range.contains(f64::from(*number));
+    let mut gains = gains.iter().zip(ranges);
+    gains.position(|(numbers, range)| !numbers.iter().all(|number| inside(range, number)))
+}
+
 /// A gain that leaves its range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutOfRange {
@@ -150,6 +175,29 @@ macro_rules! gains {
             .grows(0 $(+ $growth)?),)*)*],
         };
 
+        impl $crate::gains::Gains for Gains {
+            const DECLARED: LogicGains = DECLARED;
+
+            fn write(&self, put: &mut impl FnMut([u8; 4])) {
+                $($($crate::Field::write(self.$section.$key, put);)*)*
+            }
+
+            fn read(take: &mut impl FnMut() -> Option<[u8; 4]>) -> Option<Self> {
+                Some(Self {
+                    $($section: $Section { $($key: $crate::Field::read(take)?,)* },)*
+                })
+            }
+
+            fn check(&self) -> Result<(), usize> {
+                const RANGES: &[$crate::Range] = &[$($($range,)*)*];
+                let numbers: &[&[f32]] = &[$($(shape!(numbers $shape self.$section.$key),)*)*];
+                match outside(numbers, RANGES) {
+                    Some(place) => Err(place),
+                    None => Ok(()),
+                }
+            }
+        }
+
         impl Gains {
             /// How many numbers they are.
             pub const WORDS: usize = DECLARED.words();
@@ -165,15 +213,6 @@ macro_rules! gains {
                 }
             }
 
-            /// Their numbers, one after the other in the order of the file.
-            #[must_use]
-            pub fn to_words(&self) -> [f32; Self::WORDS] {
-                let mut words = [0.0; Self::WORDS];
-                let numbers: &[&[f32]] = &[$($(shape!(numbers $shape self.$section.$key),)*)*];
-                let numbers = numbers.iter().copied().flatten();
-                words.iter_mut().zip(numbers).for_each(|(word, number)| *word = *number);
-                words
-            }
         }
 
         impl Default for Gains {
@@ -206,10 +245,24 @@ mod tests {
     #[test]
     fn numbers_that_were_written_are_read_in_the_order_of_the_file() {
         let gains = cascade::Gains::default();
-        let words = gains.to_words();
+        let mut words = std::vec::Vec::new();
+        gains.write(&mut |bytes| words.push(f32::from_le_bytes(bytes)));
         assert_eq!(words.len(), LOGICS[0].words());
-        assert_eq!(cascade::Gains::from_words(&words), gains);
         assert_eq!(words[2..5], gains.attitude.p);
+        assert_eq!(
+            cascade::Gains::from_words(&words.try_into().expect("all")),
+            gains
+        );
+    }
+
+    #[test]
+    fn a_gain_that_is_out_of_range_or_no_number_is_found_by_its_place() {
+        for wrong in [-0.1, 10.1, f32::NAN] {
+            let mut gains = cascade::Gains::default();
+            assert_eq!(gains.check(), Ok(()));
+            gains.estimate.heading_correction = wrong;
+            assert_eq!(gains.check(), Err(1));
+        }
     }
 
     #[test]

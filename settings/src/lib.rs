@@ -2,7 +2,7 @@
 //!
 //! - [`Setting`]: name, place in TOML, kind and range, unit, meaning, option of one value
 //! - [`declare!`]: a struct of settings, fields and declarations in one place
-//! - [`Settings`]: what may be chosen at each start; [`BLOCK_LENGTH`] bytes carry it
+//! - [`Settings`]: what may be chosen at each start; a [`Start`] is given them, airframe and gains
 //! - [`REACTIVE`], [`INPUT`], [`BOARD`]: what is fixed by a build
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
@@ -26,7 +26,7 @@ mod time;
 pub use airframe::{
     ARMED_MINIMUM, Airframe, AirframeError, DIRECTION, FEWEST_MOTORS, MOST_MOTORS, Motor,
 };
-pub use block::{BLOCK_LENGTH, BlockError};
+pub use block::{BlockError, Start};
 pub use board::{BOARD, rates};
 pub use choices::{Choice, Choices, Feedback, MotorProtocol, Pairs, Policy, Reference};
 pub use declare::{Declared, Field};

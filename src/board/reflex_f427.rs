@@ -26,8 +26,6 @@ pub use motors::Motors;
 
 use cortex_m::singleton;
 use embedded_hal_bus::util::AtomicCell;
-use reflex::config::GEOMETRY;
-use reflex::settings::Settings;
 use reflex::tasks::link;
 use reflex_drivers::mpu6050::BURST_LENGTH;
 use stm32f4xx_hal::dma::StreamsTuple;
@@ -37,6 +35,7 @@ use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{pac, prelude::*};
 
 use super::lines::interrupt_on_rise;
+use super::settings_block::Given;
 use super::{clock, settings_block, watchdog};
 
 /// The crystal in Hz.
@@ -57,8 +56,8 @@ pub struct Board {
     pub link: Link,
     /// Running, to be fed from the failsafe timer.
     pub watchdog: IndependentWatchdog,
-    /// The options of this start.
-    pub settings: Settings,
+    /// What this start was given.
+    pub start: Given,
 }
 
 /// Brings the chip up; 105 ms, of which the MPU6050 takes 100 to wake. Motors stand still.
@@ -73,22 +72,19 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     let rcc = &mut rcc;
     device.TIM5.monotonic_us(&mut core.NVIC, rcc);
     // The clock runs: from here on the log has time stamps.
-    let settings = settings_block::read();
+    let start = settings_block::read();
     let (a, b) = (device.GPIOA.split(rcc), device.GPIOB.split(rcc));
     let (c, d) = (device.GPIOC.split(rcc), device.GPIOD.split(rcc));
     let streams = StreamsTuple::new(device.DMA1, rcc);
 
+    let count = start.airframe.count();
     motor_pins(
         (c.pc6, c.pc7, c.pc8, c.pc9),
         (d.pd12, d.pd13, d.pd14, d.pd15),
+        count,
     );
-    let motors = Motors::start(
-        device.TIM3,
-        device.TIM4,
-        settings.motors,
-        GEOMETRY.count(),
-        rcc,
-    );
+    let protocol = start.settings.motors;
+    let motors = Motors::start(device.TIM3, device.TIM4, protocol, count, rcc);
 
     let mut lines = (device.SYSCFG.constrain(rcc), device.EXTI);
     interrupt_on_rise(c.pc0.into_pull_down_input(), &mut lines);
@@ -108,7 +104,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     );
     let spi = spi::Spi1::new(device.SPI1, (a.pa5, a.pa6, a.pa7), rcc);
     let spi = singleton!(: AtomicCell<spi::Spi1> = AtomicCell::new(spi)).unwrap();
-    let chips = lsm303agr::start(spi, selects, &settings);
+    let chips = lsm303agr::start(spi, selects, &start.settings);
 
     let (scl, sda) = (
         b.pb8.into_alternate_open_drain(),
@@ -120,14 +116,14 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     let mut imu_bus = Engine::new(streams.0, buffer);
     imu_bus.give_back(bus, None);
     watchdog.feed();
-    let link = Link::new(port);
+    let link = Link::new(port, start.airframe.count());
     Board {
         imu_bus,
         chips,
         motors,
         link,
         watchdog,
-        settings,
+        start,
     }
 }
 
@@ -153,12 +149,13 @@ impl From<Line> for u8 {
 fn motor_pins(
     first: (gpioc::PC6, gpioc::PC7, gpioc::PC8, gpioc::PC9),
     second: (gpiod::PD12, gpiod::PD13, gpiod::PD14, gpiod::PD15),
+    count: usize,
 ) {
     first.0.into_alternate::<2>();
     first.1.into_alternate::<2>();
     first.2.into_alternate::<2>();
     first.3.into_alternate::<2>();
-    if GEOMETRY.count() > 4 {
+    if count > 4 {
         second.0.into_alternate::<2>();
         second.1.into_alternate::<2>();
         second.2.into_alternate::<2>();

@@ -5,6 +5,7 @@ use crate::control::{Goal, Setpoint};
 use crate::dataflow::{Description, Dirty};
 use crate::estimate::{Motion, Place};
 use crate::math::{Quaternion, Vec3};
+use crate::settings::gains;
 use crate::units::Thrust;
 
 /// A control logic: a graph with the inputs that the autopilot brings.
@@ -77,7 +78,7 @@ pub trait ControlLogic {
 /// A control logic that is made of its gains and a mixer, by default those that were built in.
 pub trait Tuned: ControlLogic + Default {
     /// Its gains.
-    type Gains: Copy + Default;
+    type Gains: gains::Gains;
 
     /// The logic with these gains on an airframe's mixer, before it has flown.
     fn with(gains: Self::Gains, mixer: Mixer) -> Self;

@@ -2,7 +2,6 @@
 
 use super::{Board, Lock, follow};
 use crate::app::{Autopilot, Fault, Recorder};
-use crate::config::GEOMETRY;
 use crate::graph::ControlLogic;
 use crate::link::{ARM_DISARM, Answer, Incoming, LinkCounters, Message, Parser, Sender, Status};
 use crate::safety::Arming;
@@ -44,12 +43,12 @@ pub struct Link<P> {
 }
 
 impl<P: Port> Link<P> {
-    /// A link over a started port.
-    pub fn new(port: P) -> Self {
+    /// A link over a started port, to a drone of so many motors.
+    pub fn new(port: P, motors: usize) -> Self {
         Self {
             port,
             parser: Parser::new(),
-            sender: Sender::new(GEOMETRY.count()),
+            sender: Sender::new(motors),
             logged: LinkCounters::default(),
         }
     }

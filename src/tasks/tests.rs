@@ -234,7 +234,7 @@ fn bytes_that_were_lost_are_a_fault() {
         (Ok(vec![0; 200]), None),
     ] {
         let (mut board, mut pilot) = (Noted::default(), pilot());
-        let mut link = Link::new(Bytes(bytes));
+        let mut link = Link::new(Bytes(bytes), 4);
         receive(
             &mut board,
             &mut Unshared(&mut link),

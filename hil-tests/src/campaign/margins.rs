@@ -2,26 +2,20 @@
 
 use super::role::{Contender, Role, Strain};
 use super::sortie::Sortie;
-use crate::airframes::BANDWIDTHS;
 
 /// Seeds that margins are seen with, 1 to this.
 pub const SEEDS: u32 = 2;
 /// From take-off to the end of a flight that margins are seen in, s.
 pub const DURATION_S: u32 = 20;
 
-/// Bandwidths in %, from slow to fast.
-#[must_use]
-pub fn bandwidths() -> Vec<u32> {
-    let mut percents = BANDWIDTHS.map(|factor| (factor * 100.0).round() as u32);
-    percents.sort_unstable();
-    percents.to_vec()
-}
+/// Bandwidths in % of the configured one, from slow to fast.
+pub const BANDWIDTHS: [u32; 5] = [50, 70, 100, 140, 200];
 
 /// The flights that show the margins of a cell, given any flight of it.
 #[must_use]
 pub fn margins(cell: &Sortie, of: Contender) -> Vec<Sortie> {
-    let percents = bandwidths().into_iter();
-    percents
+    BANDWIDTHS
+        .into_iter()
         .flat_map(|percent| strained(cell, of, percent))
         .collect()
 }

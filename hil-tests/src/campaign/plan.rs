@@ -133,7 +133,7 @@ impl Plan {
         }
     }
 
-    /// Every flight, in the order of airframes: each has a program of its own.
+    /// Every flight, in the order of airframes.
     #[must_use]
     pub fn units(&self) -> Vec<Unit> {
         let mut units = Vec::new();

@@ -47,7 +47,7 @@ impl Unit {
 }
 
 impl Shard {
-    /// Its units: neighbours, as they need the same programs.
+    /// Its units, which are neighbours.
     ///
     /// Every unit is of exactly one part: that in which the middle of its weight falls.
     fn of(self, units: Vec<Unit>) -> impl Iterator<Item = Unit> {

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::role::Role;
 use crate::closed_loop::{FlyOptions, Mission, Stress};
-use crate::logics::LogicName;
+use crate::logics::{AnyGains, LogicName};
 pub use crate::scoring::Tier;
 
 /// The scored part begins here in every role, s from take-off.
@@ -125,6 +125,8 @@ impl Job {
             _ => &sortie.logic,
         };
         let logic = LogicName::from_str(logic, false).ok();
+        let logic = logic.with_context(|| format!("{}: is no control logic", sortie.logic))?;
+        let bandwidth = f64::from(self.bandwidth) / 100.0;
         settings
             .check(&LIMITS)
             .map_err(|error| anyhow::anyhow!("{sortie}: {error}"))?;
@@ -136,7 +138,8 @@ impl Job {
             _ => (Mission::Waypoints, SCORED_FROM_S, Stress::default()),
         };
         Ok(FlyOptions {
-            logic: logic.with_context(|| format!("{}: is no control logic", sortie.logic))?,
+            gains: AnyGains::quickened(logic, bandwidth).with_context(|| sortie.to_string())?,
+            bandwidth,
             settings,
             mission,
             duration_s: f64::from(sortie.duration_s),

@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::journal::Records;
-use super::margins::{bandwidths, strained};
+use super::margins::{BANDWIDTHS, strained};
 use super::plan::Plan;
 use super::role::{Contender, Role};
 use super::sortie::Sortie;
@@ -35,7 +35,7 @@ pub struct Tuning {
 /// The fastest loops that bear every strain, in %; the slowest where none do, none unflown.
 #[must_use]
 pub fn fastest(records: &Records, cell: &Sortie, of: Contender) -> Option<u32> {
-    let percents = bandwidths();
+    let percents = BANDWIDTHS;
     let mut fastest = percents.first().copied();
     for percent in percents {
         let mut bears = true;

@@ -8,16 +8,15 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use reflex::app::Call;
-use reflex::config::GEOMETRY;
 use reflex::reactive::Phase;
-use reflex::settings::{MotorProtocol, Settings};
+use reflex::settings::MotorProtocol;
 
 use super::desired::Desired;
 use super::report::Cpu;
 use super::tier::{Applied, Tier, TimedRan};
 use crate::firmware::Firmware;
 use crate::ground_station::LinkFrame;
-use crate::logics::LogicName;
+use crate::logics::Start;
 use crate::native::nanos;
 use crate::record::motor_timers::{throttle, update_period_ns};
 use crate::record::{Alignment, Mirror, Observation};
@@ -42,13 +41,14 @@ pub(super) struct EmulatedTier {
     written: usize,
     runs: Vec<TimedRan>,
     protocol: MotorProtocol,
+    motor_count: usize,
 }
 
 impl EmulatedTier {
     /// Boots firmware on a core of a speed, with chips that feel a source.
     pub(super) fn boot(
         firmware: &Firmware,
-        (settings, logic): (Settings, LogicName),
+        start: &Start,
         source: &Arc<dyn StimulusSource>,
         chips: ChipOptions,
         instructions_per_second: NonZeroU64,
@@ -56,18 +56,19 @@ impl EmulatedTier {
         let sensors = Sensors::from(&SharedChips::feeling(source, chips));
         let elf = Arc::new(Elf::parse(firmware.bytes.clone())?);
         let options = Options {
-            settings: Some(settings.to_bytes().to_vec()),
+            settings: Some(start.to_bytes()),
             instructions_per_second,
             ..Options::default()
         };
         Ok(Self {
             board: Box::new(EmulatedBoard::boot(&elf, sensors, &options)?),
             observation: Observation::new(None),
-            mirror: Mirror::new(settings, logic),
+            mirror: Mirror::new(start),
             mirrored: 0,
             written: 0,
             runs: Vec::new(),
-            protocol: settings.motors,
+            protocol: start.settings.motors,
+            motor_count: start.airframe.count(),
         })
     }
 
@@ -104,7 +105,7 @@ impl Tier for EmulatedTier {
             };
             applied.push(Applied {
                 at_ns: write.applied_ns,
-                throttles: (0..GEOMETRY.count()).map(motor).collect(),
+                throttles: (0..self.motor_count).map(motor).collect(),
             });
         }
         self.written = self.observation.motors.len();

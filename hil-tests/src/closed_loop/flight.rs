@@ -17,6 +17,7 @@ use super::tier::{Applied, Tier, TimedRan};
 use super::track::{KEPT_NS, Moment};
 use super::world::{LONGEST_STEP_NS, World};
 use super::{FlyOptions, Flyer, Scene};
+use crate::logics::Start;
 use crate::record::motor_timers::update_period_ns;
 use chip_models::{ChipOptions, StimulusSource};
 
@@ -58,20 +59,24 @@ impl<'o> Flight<'o> {
         vehicle.inertia_kg_m2 = vehicle.inertia_kg_m2.map(|axis| axis / options.stress.gain);
         let world = World::new((&vehicle, &scene.airframe), &scene.environment, seed)?;
         let source: Arc<dyn StimulusSource> = Arc::clone(&world.sensed) as _;
-        let told = (options.settings, options.logic);
+        let start = Start {
+            settings: options.settings,
+            airframe: scene.airframe.geometry(),
+            gains: options.gains,
+        };
         let chips = ChipOptions {
             seed,
             noise: true,
             ..ChipOptions::default()
         };
         let tier: Box<dyn Tier> = match flyer {
-            Flyer::Native => Box::new(NativeTier::boot(told, &source, chips)),
+            Flyer::Native => Box::new(NativeTier::boot(&start, &source, chips)),
             Flyer::Emulated(firmware, mhz) => {
                 let speed = NonZeroU64::new(u64::from(mhz) * 1_000_000).context("no clock")?;
-                Box::new(EmulatedTier::boot(firmware, told, &source, chips, speed)?)
+                Box::new(EmulatedTier::boot(firmware, &start, &source, chips, speed)?)
             }
         };
-        let flies_to_goals = options.logic.logic().flies_to_goals();
+        let flies_to_goals = start.logic().flies_to_goals();
         Ok(Self {
             options,
             world,

@@ -1,7 +1,6 @@
 //! From a flight that has ended to its report.
 
 use anyhow::Result;
-use reflex::config::{AIRFRAME, BANDWIDTH};
 use reflex::settings::{Policy, Settings};
 
 use super::flight::{Flight, Scored};
@@ -55,9 +54,9 @@ impl Flight<'_> {
         let rate_hz = (policy == Policy::Periodic).then(|| 1e6 / period.ticks() as f64);
         Ok(FlightReport {
             environment: scene.environment_name.clone(),
-            airframe: AIRFRAME.to_owned(),
-            bandwidth: (f64::from(BANDWIDTH) * 100.0).round() / 100.0,
-            logic: options.logic.word().to_owned(),
+            airframe: scene.airframe_name.clone(),
+            bandwidth: options.bandwidth,
+            logic: options.gains.name().word().to_owned(),
             mission: options.mission.name().to_owned(),
             tier: tier.to_owned(),
             policy: policy.word().to_owned(),

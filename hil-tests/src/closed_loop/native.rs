@@ -5,13 +5,13 @@ use std::sync::Arc;
 use anyhow::Result;
 use reflex::app::Call;
 use reflex::reactive::Phase;
-use reflex::settings::{MotorProtocol, Settings};
+use reflex::settings::MotorProtocol;
 
 use super::desired::Desired;
 use super::report::Cpu;
 use super::tier::{Applied, Tier, TimedRan};
 use crate::ground_station::LinkFrame;
-use crate::logics::LogicName;
+use crate::logics::Start;
 use crate::native::{NativeBoard, RUN_NS, nanos};
 use crate::record::motor_timers::{pulse_ns, throttle, update_period_ns};
 use crate::scoring::MotorDigest;
@@ -27,13 +27,13 @@ pub(super) struct NativeTier {
 impl NativeTier {
     /// Boots a board whose chips feel a source.
     pub(super) fn boot(
-        (settings, logic): (Settings, LogicName),
+        start: &Start,
         source: &Arc<dyn StimulusSource>,
         chips: ChipOptions,
     ) -> Self {
         Self {
-            board: NativeBoard::boot((settings, logic), source, chips, Vec::new()),
-            protocol: settings.motors,
+            board: NativeBoard::boot(start, source, chips, Vec::new()),
+            protocol: start.settings.motors,
             digest: MotorDigest::new(),
         }
     }

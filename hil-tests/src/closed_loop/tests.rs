@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::firmware::Firmware;
+use crate::logics::LogicName;
 use crate::progress::Silent;
 use clap::ValueEnum;
 use reflex::settings::Policy;
@@ -9,14 +10,15 @@ use reflex::time::{Duration, micros};
 
 /// A short flight of a logic, natively.
 fn flown(environment: &str, options: &FlyOptions) -> FlightReport {
-    let scene = Scene::load(environment).unwrap();
+    let scene = Scene::load(environment, reflex::config::AIRFRAME).unwrap();
     let flown = fly(&scene, options, Flyer::Native, &mut Silent).unwrap();
     flown.report
 }
 
 fn options(logic: LogicName, policy: Policy, seed: u32) -> FlyOptions {
     FlyOptions {
-        logic,
+        gains: logic.gains(),
+        bandwidth: 1.0,
         settings: Settings {
             policy,
             // Of periodic control, where it is chosen.
@@ -81,7 +83,7 @@ fn the_same_seed_flies_the_same_flight_and_another_seed_another() {
 /// A crash is no number: where the scored part would be, there is nothing.
 #[test]
 fn a_drone_that_cannot_lift_itself_crashes_or_stays_but_scores_no_lie() {
-    let mut scene = Scene::load("arch").unwrap();
+    let mut scene = Scene::load("arch", reflex::config::AIRFRAME).unwrap();
     // Half of the thrust that it takes to turn against the wind, and none to spare.
     scene.vehicle.rotors.full_thrust_n = 3.4;
     let mut options = options(LogicName::Cascade, Policy::Reactive, 2);
@@ -104,10 +106,10 @@ fn a_drone_that_cannot_lift_itself_crashes_or_stays_but_scores_no_lie() {
 /// The firmware checks itself against the host on the way; see `emulated`.
 #[test]
 fn the_firmware_flies_in_closed_loop_and_comes_to_the_hosts_commands_bit_by_bit() {
-    let scene = Scene::load("arch").unwrap();
+    let scene = Scene::load("arch", reflex::config::AIRFRAME).unwrap();
     let mut options = options(LogicName::configured(), Policy::Reactive, 4);
     options.duration_s = 14.0;
-    let firmware = Firmware::build(options.logic, &mut Silent).unwrap();
+    let firmware = Firmware::build(options.gains.name(), &mut Silent).unwrap();
     let fly = || {
         let flyer = Flyer::Emulated(&firmware, 168);
         fly(&scene, &options, flyer, &mut Silent).unwrap().report

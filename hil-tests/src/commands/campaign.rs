@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::bar::Bar;
 use super::quantities::number;
-use crate::campaign::{self, CampaignOptions, Compared, Findings, Metric, Plan, Programs, Shard};
+use crate::campaign::{self, CampaignOptions, Compared, Findings, Here, Metric, Plan, Shard};
 use crate::clock;
 use crate::refusal::Refusal;
 use crate::toolchain;
@@ -75,12 +75,7 @@ pub(super) fn run(arguments: &CampaignArguments) -> Result<()> {
         plan,
     };
     let mut bar = Bar::new();
-    let findings = campaign::campaign(
-        &options,
-        &mut Programs::default(),
-        &clock::today(),
-        &mut bar,
-    );
+    let findings = campaign::campaign(&options, &mut Here, &clock::today(), &mut bar);
     bar.finish();
     let findings = findings?;
     let text = if arguments.json {
@@ -89,11 +84,6 @@ pub(super) fn run(arguments: &CampaignArguments) -> Result<()> {
         summary(&findings, &options)
     };
     super::print(&text)
-}
-
-/// The other end of a campaign: flies what stdin says, and tells of it on stdout.
-pub(super) fn work() -> Result<()> {
-    campaign::serve(std::io::stdin().lock(), &mut std::io::stdout().lock())
 }
 
 fn summary(findings: &Findings, options: &CampaignOptions) -> String {

@@ -7,21 +7,15 @@ use clap::Args;
 use reflex::config::AIRFRAME;
 
 use super::bar::Bar;
+use super::flight_numbers::{BANDWIDTH, CLOCK, DURATION, FlightNumbers, PLANT_DELAY, PLANT_GAIN};
 use super::quantities::number;
-use super::settings_arguments::SettingsArguments;
-use crate::airframes::{self, Variant};
+use super::settings_arguments::{SettingsArguments, refused};
 use crate::closed_loop::{self, FlyOptions, Flyer, Mission, Scene, Stress, plot, report};
 use crate::firmware::Firmware;
-use crate::logics::LogicName;
+use crate::logics::{AnyGains, LogicName};
 use crate::output_file::OutputFile;
 use crate::progress::Progress;
 use crate::refusal::Refusal;
-
-/// Speeds of the core in MHz: below, start-up waits for sensors until after take-off, since it
-/// counts that time in instructions.
-const CLOCKS_MHZ: std::ops::RangeInclusive<u32> = 36..=672;
-/// Longest flight, s: a day.
-const LONGEST_S: f64 = 86_400.0;
 
 /// What a flight is told. Defaults are those of `config/`.
 #[derive(Clone, Debug, Args)]
@@ -29,40 +23,25 @@ pub(super) struct FlyArguments {
     /// Where to fly: a file of config/environments/
     #[arg(long, value_name = "NAME", default_value = "rugby")]
     environment: String,
-    /// What to fly: a file of config/airframes/ with one in config/vehicles/; another one than
-    /// that of config/selection.toml is built first
+    /// What to fly: a file of config/airframes/ with one in config/vehicles/
     #[arg(long, value_name = "NAME", default_value = AIRFRAME)]
     airframe: String,
     /// Control logic that flies: the firmware is built with it [default: that of config/selection.toml]
     #[arg(long, value_enum)]
     logic: Option<LogicName>,
-    /// How many times as fast as configured attitude and rate loops are: 0.5, 0.7, 1, 1.4 or 2;
-    /// all but 1 are built first
-    #[arg(long, value_name = "FACTOR", value_parser = number, allow_negative_numbers = true, default_value = "1")]
-    bandwidth: f64,
     /// What the drone is to do
     #[arg(long, value_enum, default_value = "waypoints")]
     mission: Mission,
     #[command(flatten)]
     settings: SettingsArguments,
-    /// From take-off to the end, in s
-    #[arg(long, value_name = "SECONDS", value_parser = number, allow_negative_numbers = true, default_value = "60")]
-    duration: f64,
+    #[command(flatten)]
+    numbers: FlightNumbers,
     /// Where the scored part begins, in s from take-off [default: 10 or the end of the warm-up, whichever is later]
     #[arg(long, value_name = "SECONDS", value_parser = number, allow_negative_numbers = true)]
     scored_from: Option<f64>,
-    /// Speed of the emulated core; buses and timers keep theirs [default: 168]
-    #[arg(long, value_name = "MHZ")]
-    clock_mhz: Option<u32>,
     /// Fly the same code on this computer, without firmware and emulator: 100 times as fast
     #[arg(long)]
     native: bool,
-    /// Stress: how many times as much the drone answers its motors, 0.1 to 10
-    #[arg(long, value_name = "FACTOR", value_parser = number, allow_negative_numbers = true, default_value = "1")]
-    plant_gain: f64,
-    /// Stress: how much later motor commands apply, 0 to 0.2 s
-    #[arg(long, value_name = "SECONDS", value_parser = number, allow_negative_numbers = true, default_value = "0")]
-    plant_delay: f64,
     /// Draw the flight to this SVG file
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -74,17 +53,8 @@ pub(super) struct FlyArguments {
 /// Flies, then prints the report. A crash is reported, and fails the command.
 pub(super) fn run(arguments: &FlyArguments) -> Result<()> {
     let options = arguments.options()?;
+    let scene = Scene::load(&arguments.environment, &arguments.airframe)?;
     let mut bar = Bar::new();
-    let variant = Variant {
-        airframe: arguments.airframe.clone(),
-        bandwidth: arguments.bandwidth,
-    };
-    if !variant.built_in() {
-        let program = airframes::program(&variant, &mut bar);
-        bar.finish();
-        return super::become_program(program?);
-    }
-    let scene = Scene::load(&arguments.environment)?;
     let flown = arguments.fly(&scene, &options, &mut bar);
     bar.finish();
     let flown = flown?;
@@ -104,59 +74,41 @@ pub(super) fn run(arguments: &FlyArguments) -> Result<()> {
 }
 
 impl FlyArguments {
-    fn options(&self) -> Result<FlyOptions, Refusal> {
-        let refuse = |line: String| Err(Refusal::new(line));
+    fn options(&self) -> Result<FlyOptions> {
         if let Some(file) = &self.plot {
             OutputFile::new("plot", file).check()?;
         }
+        let numbers = &self.numbers;
         let settings = self.settings.settings()?;
-        if !(self.duration > 0.0 && self.duration <= LONGEST_S) {
-            return refuse(format!(
-                "--duration {}: must be above 0 and at most {LONGEST_S} s",
-                self.duration
-            ));
-        }
+        let duration_s = numbers.get(DURATION)?;
         if let Some(from) = self.scored_from
-            && !(0.0..self.duration).contains(&from)
+            && !(0.0..duration_s).contains(&from)
         {
-            return refuse(format!(
-                "--scored-from {from}: must be 0 to less than the duration of {} s",
-                self.duration
-            ));
+            let line = format!(
+                "--scored-from: {from} is out of range, must be 0 to less than the duration of \
+                 {duration_s} s"
+            );
+            return Err(Refusal::new(line).into());
         }
-        if !(0.1..=10.0).contains(&self.plant_gain) {
-            return refuse(format!(
-                "--plant-gain {}: must be 0.1 to 10",
-                self.plant_gain
-            ));
+        if self.native && numbers.given(CLOCK).is_some() {
+            let line = "natively there is no processor, leave out --native";
+            return Err(refused(CLOCK, line).into());
         }
-        if !(0.0..=0.2).contains(&self.plant_delay) {
-            return refuse(format!(
-                "--plant-delay {}: must be 0 to 0.2 s",
-                self.plant_delay
-            ));
-        }
-        match self.clock_mhz {
-            Some(mhz) if self.native => refuse(format!(
-                "--clock-mhz {mhz}: natively there is no processor, leave out --native"
-            )),
-            Some(mhz) if !CLOCKS_MHZ.contains(&mhz) => refuse(format!(
-                "--clock-mhz {mhz}: must be {} to {} MHz",
-                CLOCKS_MHZ.start(),
-                CLOCKS_MHZ.end()
-            )),
-            _ => Ok(FlyOptions {
-                logic: self.logic.unwrap_or_else(LogicName::configured),
-                settings,
-                mission: self.mission,
-                duration_s: self.duration,
-                scored_from_s: self.scored_from,
-                stress: Stress {
-                    gain: self.plant_gain,
-                    delay_s: self.plant_delay,
-                },
-            }),
-        }
+        numbers.get(CLOCK)?;
+        let bandwidth = numbers.get(BANDWIDTH)?;
+        let logic = self.logic.unwrap_or_else(LogicName::configured);
+        Ok(FlyOptions {
+            gains: AnyGains::quickened(logic, bandwidth)?,
+            bandwidth,
+            settings,
+            mission: self.mission,
+            duration_s,
+            scored_from_s: self.scored_from,
+            stress: Stress {
+                gain: numbers.get(PLANT_GAIN)?,
+                delay_s: numbers.get(PLANT_DELAY)?,
+            },
+        })
     }
 
     fn fly(
@@ -167,11 +119,11 @@ impl FlyArguments {
     ) -> Result<closed_loop::Flown> {
         let firmware = match self.native {
             true => None,
-            false => Some(Firmware::build(options.logic, bar)?),
+            false => Some(Firmware::build(options.gains.name(), bar)?),
         };
         let flyer = match &firmware {
             None => Flyer::Native,
-            Some(firmware) => Flyer::Emulated(firmware, self.clock_mhz.unwrap_or(168)),
+            Some(firmware) => Flyer::Emulated(firmware, self.numbers.get(CLOCK)? as u32),
         };
         bar.stage(&format!("Flying in {}", self.environment));
         closed_loop::fly(scene, options, flyer, bar)
@@ -181,7 +133,6 @@ impl FlyArguments {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::progress::Silent;
     use clap::Parser;
 
     #[derive(Parser)]
@@ -212,29 +163,47 @@ mod tests {
             ),
             (
                 "--duration 0",
-                "--duration 0: must be above 0 and at most 86400 s",
+                "--duration: 0 is out of range, must be above 0 and at most 86400 s",
             ),
             ("--duration nan", "must be a finite number"),
             (
                 "--scored-from 60",
-                "--scored-from 60: must be 0 to less than the duration of 60 s",
+                "--scored-from: 60 is out of range, must be 0 to less than the duration of 60 s",
             ),
             (
                 "--scored-from -1",
-                "--scored-from -1: must be 0 to less than",
+                "--scored-from: -1 is out of range, must be 0 to less than",
             ),
-            ("--clock-mhz 8", "--clock-mhz 8: must be 36 to 672 MHz"),
+            (
+                "--clock-mhz 8",
+                "--clock-mhz: 8 is out of range, must be 36 to 672 MHz",
+            ),
             (
                 "--clock-mhz 36 --native",
                 "natively there is no processor, leave out --native",
             ),
-            ("--plant-gain 0", "--plant-gain 0: must be 0.1 to 10"),
+            (
+                "--plant-gain 0",
+                "--plant-gain: 0 is out of range, must be 0.1 to 10",
+            ),
             ("--plot src", "--plot src: is a folder"),
             (
                 "--plot nowhere/a.svg",
                 "--plot nowhere/a.svg: its folder does not exist",
             ),
-            ("--plant-delay 1", "--plant-delay 1: must be 0 to 0.2 s"),
+            (
+                "--plant-delay 1",
+                "--plant-delay: 1 is out of range, must be 0 to 0.2 s",
+            ),
+            (
+                "--bandwidth 0.1",
+                "--bandwidth: 0.1 is out of range, must be 0.25 to 5",
+            ),
+            ("--bandwidth fast", "must be a finite number, 0.25 to 5"),
+            (
+                "--logic arducopter --bandwidth 4",
+                "--bandwidth 4: brings arducopter's angle.p to 18, must be above 0 and at most 12",
+            ),
             ("--rate 100", "--rate: reactive control has none"),
             ("--policy periodic --rate 2000", "must be 1 to 1000 Hz"),
             ("--seed -1", "must be a whole number, 0 to 4294967295"),
@@ -257,21 +226,12 @@ mod tests {
 
     #[test]
     fn unknown_places_and_drones_are_named_with_those_that_are_known() {
-        let told = Scene::load("moon").unwrap_err().to_string();
+        let told = Scene::load("moon", AIRFRAME).unwrap_err().to_string();
         assert!(told.ends_with("must be one of: arch, lab, rugby"), "{told}");
-        let mut variant = Variant::of("kite");
-        let told = airframes::program(&variant, &mut Silent)
-            .unwrap_err()
-            .to_string();
-        assert_eq!(told, "--airframe kite: must be one of hexa_x, quad_x, y6");
-        variant = Variant::of(AIRFRAME);
-        variant.bandwidth = 3.0;
-        let told = airframes::program(&variant, &mut Silent)
-            .unwrap_err()
-            .to_string();
-        assert_eq!(
-            told,
-            "--bandwidth 3: must be one of [1.0, 0.5, 0.7, 1.4, 2.0]"
+        let told = Scene::load("arch", "kite").unwrap_err().to_string();
+        assert!(
+            told.ends_with("must be one of: hexa_x, quad_x, y6"),
+            "{told}"
         );
     }
 }

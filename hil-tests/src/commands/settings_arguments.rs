@@ -44,7 +44,8 @@ impl FromArgMatches for SettingsArguments {
     }
 }
 
-fn argument(setting: &'static Setting) -> Option<Arg> {
+/// The option of a declaration; `None` where it has none.
+pub(super) fn argument(setting: &'static Setting) -> Option<Arg> {
     let [option, value] = setting.option?;
     let argument = Arg::new(option).long(option).help(help(setting));
     Some(match setting.kind {
@@ -137,7 +138,7 @@ fn named(place: usize) -> Option<&'static str> {
 }
 
 /// A refusal in the name of a setting's option.
-fn refused(setting: &Setting, line: impl std::fmt::Display) -> Refusal {
+pub(super) fn refused(setting: &Setting, line: impl std::fmt::Display) -> Refusal {
     let [option, _] = setting.option.unwrap_or([setting.name; 2]);
     Refusal::new(format!("--{option}: {line}"))
 }

@@ -12,7 +12,6 @@ use std::sync::Arc;
 use embedded_hal::i2c::I2c;
 use reflex::app::{Autopilot, Call, Recorder, Stamped};
 use reflex::reactive::Refit;
-use reflex::settings::Settings;
 use reflex::tasks::chips::{Done, Fetches};
 use reflex::tasks::imu::Guard;
 use reflex::tasks::link::Link;
@@ -29,7 +28,7 @@ use super::timing::{
 use super::vectors::{Outputs, Vectors};
 use super::wires::{BusTime, I2cBus, Spi, Wire};
 use crate::ground_station::LinkFrame;
-use crate::logics::{AnyLogic, LogicName};
+use crate::logics::{AnyLogic, Start};
 use crate::record::{ChipState, OfChips};
 use chip_models::lsm303agr::{Accelerometer, Magnetometer};
 use chip_models::{ChipOptions, Mpu6050, StimulusSource};
@@ -89,7 +88,7 @@ pub(crate) struct NativeBoard {
 impl NativeBoard {
     /// Powers the chips and starts up; `frames` come in order of time.
     pub(crate) fn boot(
-        (settings, logic): (Settings, LogicName),
+        start: &Start,
         source: &Arc<dyn StimulusSource>,
         options: ChipOptions,
         frames: Vec<LinkFrame>,
@@ -107,14 +106,14 @@ impl NativeBoard {
                 wire: mag.clone(),
                 time: spi_time.clone(),
             },
-            &settings,
+            &start.settings,
         );
         let imu_bus = I2cBus {
             wire: imu.clone(),
             time: BusTime::default(),
         };
         let mut board = Self {
-            pilot: Autopilot::with_logic(settings, Calls::default(), logic.logic()),
+            pilot: start.autopilot(Calls::default()),
             agenda: Agenda::new(),
             now_ns: 0,
             vectors: Vectors::at(clock(0)),
@@ -130,7 +129,7 @@ impl NativeBoard {
             fetches: Fetches::default(),
             done: None,
             raised_again: false,
-            link: Link::new(Line::new(frames)),
+            link: Link::new(Line::new(frames), start.airframe.count()),
             refit: None,
         };
         board.start_up();

@@ -3,19 +3,17 @@
 use anyhow::{Result, bail};
 use reflex::app::{Autopilot, Call, Ran, Reason, Recorder, Stamped};
 use reflex::sensors::Inputs;
-use reflex::settings::Settings;
 use reflex::time::Instant;
 
-use crate::logics::{AnyLogic, LogicName};
+use crate::logics::{AnyLogic, Start};
 
 /// An autopilot on the host that is given the very calls of the firmware.
 pub(crate) struct Mirror(Autopilot<NewestRun, AnyLogic>);
 
 impl Mirror {
-    /// A mirror of firmware that starts with these settings and runs this control logic.
-    pub(crate) fn new(settings: Settings, logic: LogicName) -> Self {
-        let recorder = NewestRun::default();
-        Self(Autopilot::with_logic(settings, recorder, logic.logic()))
+    /// A mirror of firmware that is given this at its start.
+    pub(crate) fn new(start: &Start) -> Self {
+        Self(start.autopilot(NewestRun::default()))
     }
 
     /// Makes a call again.

@@ -57,11 +57,7 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
     progress.stage("Scoring");
     let alignment = Alignment::of(&observation, options.settings.motors)?;
     let start_us = alignment.clock_us(session.flight_start_ns());
-    let timeline = Timeline::of(
-        &observation.calls,
-        (options.settings, options.logic),
-        start_us,
-    )?;
+    let timeline = Timeline::of(&observation.calls, &options.start(), start_us)?;
     if timeline.runs_in_the_air == 0 {
         bail!(
             "{}: the firmware never armed: see its log with --defmt FILE",

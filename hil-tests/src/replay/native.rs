@@ -77,12 +77,7 @@ fn boot(flight: &Flight, setpoints: &Setpoints, options: &ReplayOptions) -> (Nat
     let mut frames = schedule(flight, setpoints, at_rest);
     frames.retain(|frame| frame.at_ns < end_ns);
     let chip_options = chip_options(flight, options);
-    let board = NativeBoard::boot(
-        (options.settings, options.logic),
-        &source,
-        chip_options,
-        frames,
-    );
+    let board = NativeBoard::boot(&options.start(), &source, chip_options, frames);
     (board, end_ns)
 }
 
@@ -106,7 +101,7 @@ fn watch(board: &mut NativeBoard, end_ns: u64, progress: &mut dyn Progress) -> V
 
 fn timeline<'c>(calls: &'c [Stamped], options: &ReplayOptions, name: &str) -> Result<Timeline<'c>> {
     let start_us = clock(Standstill::default().length_ns()).ticks();
-    let timeline = Timeline::of(calls, (options.settings, options.logic), start_us)?;
+    let timeline = Timeline::of(calls, &options.start(), start_us)?;
     if timeline.runs_in_the_air == 0 {
         bail!(Refusal::new(format!("{name}: the drone never armed")));
     }

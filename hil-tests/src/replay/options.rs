@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use reflex::settings::Settings;
 
-use crate::logics::LogicName;
+use crate::logics::{LogicName, Start};
 use recorded_flights::Rotate;
 
 /// The options of one replay, checked; made by the command line or by a test.
@@ -24,6 +24,14 @@ pub struct ReplayOptions {
     pub noise: bool,
     /// Where the firmware's decoded log is written.
     pub defmt: Option<PathBuf>,
+}
+
+impl ReplayOptions {
+    /// What the firmware is given at its start.
+    #[must_use]
+    pub fn start(&self) -> Start {
+        Start::configured(self.settings, self.logic)
+    }
 }
 
 impl Default for ReplayOptions {

@@ -7,20 +7,19 @@
 
 use anyhow::Result;
 use reflex::app::{Autopilot, Call, Next, Reason, Stamped};
-use reflex::config::{GEOMETRY, HYPERPERIOD};
+use reflex::config::HYPERPERIOD;
 use reflex::reactive::{FallbackReason, Phase};
-use reflex::settings::{Policy, Settings};
+use reflex::settings::Policy;
 use reflex::time::Instant;
 
-use crate::logics::{AnyLogic, LogicName};
+use crate::logics::{AnyLogic, Start};
 use crate::record::Mirror;
 use crate::scoring::{Command, Flight, Held, Rules, Run, Score, score};
 
 /// A replay as its calls show it.
 pub(crate) struct Timeline<'c> {
     pub(crate) calls: &'c [Stamped],
-    settings: Settings,
-    logic: LogicName,
+    start: Start,
     start_us: u64,
     pub(crate) flight: Flight,
     /// Places among the calls of the samples that ended the flight's hyperperiods.
@@ -39,7 +38,7 @@ pub(crate) struct Timeline<'c> {
 }
 
 /// The command that the motors held at an instant of the firmware's clock.
-fn held_at(calls: &[Stamped], at_us: u64) -> Command {
+fn held_at(calls: &[Stamped], at_us: u64, motors: usize) -> Command {
     let before = calls
         .iter()
         .rev()
@@ -48,7 +47,7 @@ fn held_at(calls: &[Stamped], at_us: u64) -> Command {
         Call::Ran(ran) => Some(ran.shares),
         _ => None,
     });
-    runs.next().unwrap_or(Command::all(0.0, GEOMETRY.count()))
+    runs.next().unwrap_or(Command::all(0.0, motors))
 }
 
 /// The hyperperiod that a gating sample has ended and the next one will close.
@@ -62,26 +61,21 @@ impl<'c> Timeline<'c> {
     ///
     /// # Errors
     /// The firmware computed other bits than the host.
-    pub(crate) fn of(
-        calls: &'c [Stamped],
-        (settings, logic): (Settings, LogicName),
-        start_us: u64,
-    ) -> Result<Self> {
+    pub(crate) fn of(calls: &'c [Stamped], start: &Start, start_us: u64) -> Result<Self> {
         let mut timeline = Self {
             calls,
-            settings,
-            logic,
+            start: *start,
             start_us,
-            flight: Flight::new(start_us, held_at(calls, start_us)),
+            flight: Flight::new(start_us, held_at(calls, start_us, start.airframe.count())),
             ends: Vec::new(),
             answered: answered(calls),
-            mirror: Mirror::new(settings, logic),
+            mirror: Mirror::new(start),
             runs_in_the_air: 0,
             fallbacks: 0,
             fallbacks_by_reason: FallbackReason::ALL.map(|reason| (reason, 0)),
             first_hyperperiod_us: None,
         };
-        if settings.policy != Policy::Reactive {
+        if start.settings.policy != Policy::Reactive {
             timeline.flight.end_warm_up(start_us);
         }
         timeline.walk()?;
@@ -89,7 +83,7 @@ impl<'c> Timeline<'c> {
     }
 
     fn walk(&mut self) -> Result<()> {
-        let mut reference = Native::new(self.settings, self.logic);
+        let mut reference = Native::new(self.start);
         let mut open: Option<Open> = None;
         let mut by_timer = false;
         let mut phase = Phase::Ground;
@@ -189,9 +183,9 @@ impl<'c> Timeline<'c> {
 
     fn rules(&self) -> Rules {
         Rules {
-            quantum: self.settings.quantum,
-            failsafe_us: self.settings.failsafe.ticks(),
-            limits: GEOMETRY.armed_minimum()..=1.0,
+            quantum: self.start.settings.quantum,
+            failsafe_us: self.start.settings.failsafe.ticks(),
+            limits: self.start.airframe.armed_minimum()..=1.0,
             periodic_hz: 1.0..=1e6 / HYPERPERIOD.ticks() as f64,
         }
     }
@@ -201,9 +195,9 @@ impl<'c> Timeline<'c> {
     /// Through the warm-up it runs at every gating sample, as the policy it is compared with
     /// did: both enter the scored part with the same control state.
     fn fly_periodic(&self, rate_hz: f64) -> Vec<Held> {
-        let mut native = Native::new(self.settings, self.logic);
+        let mut native = Native::new(self.start);
         let warm_up_end = self.flight.warm_up_end_us().unwrap_or(u64::MAX);
-        let period_us = (1e6 / rate_hz).min(self.settings.failsafe.ticks() as f64);
+        let period_us = (1e6 / rate_hz).min(self.start.settings.failsafe.ticks() as f64);
         let mut due_us = warm_up_end as f64 + period_us;
         let mut held = Vec::<Held>::with_capacity(self.ends.len());
         let mut ends = self.ends.iter().peekable();
@@ -244,15 +238,12 @@ struct Native {
 }
 
 impl Native {
-    fn new(settings: Settings, logic: LogicName) -> Self {
-        let settings = Settings {
-            policy: Policy::Periodic,
-            period: HYPERPERIOD,
-            ..settings
-        };
+    fn new(mut start: Start) -> Self {
+        start.settings.policy = Policy::Periodic;
+        start.settings.period = HYPERPERIOD;
         Self {
-            autopilot: Autopilot::with_logic(settings, (), logic.logic()),
-            command: Command::all(0.0, GEOMETRY.count()),
+            autopilot: start.autopilot(()),
+            command: Command::all(0.0, start.airframe.count()),
         }
     }
 

@@ -12,11 +12,12 @@ use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
 use reflex::app::{Autopilot, ChipAction, ChipSetting, Next};
 use reflex::config::SETTINGS;
 use reflex::control::Setpoint;
+use reflex::graph::CONFIGURED;
 use reflex::link::Message;
 use reflex::math::Vec3;
 use reflex::reactive::{Fit, Logistic, Phase, Refit};
 use reflex::sensors::{Cause, ChipSample, Input};
-use reflex::settings::{Settings, WarmUp};
+use reflex::settings::{Settings, Start, WarmUp};
 use reflex::tasks::chips::Chips;
 use reflex::tasks::imu::Imu;
 use reflex::tasks::lsm303agr::Lsm303agr;
@@ -133,7 +134,13 @@ impl Flight {
         let mag = Rc::new(RefCell::new(Magnetometer::new(lively(), exact())));
         let ports = (Port(Rc::clone(&accel)), Port(Rc::clone(&mag)));
         let mut flight = Self {
-            autopilot: Autopilot::new(settings, ()),
+            autopilot: Autopilot::new(
+                &Start {
+                    settings,
+                    ..CONFIGURED
+                },
+                (),
+            ),
             now: 0,
             accel,
             mag,

@@ -2,9 +2,10 @@
 
 use reflex::app::{Autopilot, Call, Recorder, Stamped};
 use reflex::config::{FORGETTING, REFIT_INTERVAL};
+use reflex::graph::CONFIGURED;
 use reflex::reactive::{Label, Labels, changes_of};
 use reflex::sensors::Input;
-use reflex::settings::Settings;
+use reflex::settings::{Settings, Start};
 use reflex::time::Instant;
 
 use super::maximum_likelihood::Sample;
@@ -86,7 +87,13 @@ pub(super) fn tap(
         lessons: lessons.into(),
         on_refit,
     };
-    let mut autopilot = Autopilot::new(settings, tap);
+    let mut autopilot = Autopilot::new(
+        &Start {
+            settings,
+            ..CONFIGURED
+        },
+        tap,
+    );
     for stamped in calls {
         stamped.call.replay(stamped.at, &mut autopilot);
     }

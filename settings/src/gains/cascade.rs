@@ -1,6 +1,6 @@
 //! Gains of the control logic `cascade`.
 
-use super::{LogicGains, next};
+use super::{LogicGains, next, outside};
 use crate::{Setting, above, within};
 
 gains! {

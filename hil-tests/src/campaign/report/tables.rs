@@ -53,7 +53,7 @@ fn tunings(plan: &Plan, findings: &Findings) -> Markup {
         h3 { "Loops at equal margins" }
         p {
             "How fast each policy may make attitude and rate loops, in % of the configured bandwidth: the "
-            "fastest of " (format!("{:?}", margins::bandwidths())) " that keeps the drone from oscillating when "
+            "fastest of " (format!("{:?}", margins::BANDWIDTHS)) " that keeps the drone from oscillating when "
             "it answers its motors twice as strongly, and when commands apply 20 ms late."
         }
         table {

@@ -2,8 +2,9 @@
 
 use clap::Parser;
 use proptest::prelude::*;
+use reflex::graph::CONFIGURED;
 use reflex::sensors::{Input, Inputs};
-use reflex::settings::{Feedback, MotorProtocol, Pairs, Reference};
+use reflex::settings::{Feedback, MotorProtocol, Pairs, Reference, Start};
 use reflex::time::micros;
 
 use super::*;
@@ -203,8 +204,8 @@ proptest! {
             Ok(options) => {
                 prop_assert!(options.settings.check(&config::LIMITS).is_ok());
                 prop_assert!(options.duration_s.is_none_or(|length| length > 0.0));
-                let block = options.settings.to_bytes();
-                prop_assert_eq!(Settings::from_bytes(&block, &config::LIMITS), Ok(options.settings));
+                let start = Start { settings: options.settings, ..CONFIGURED };
+                prop_assert_eq!(Start::from_bytes(&start.to_bytes(), &config::LIMITS), Ok(start));
             }
             Err(error) => prop_assert!(error.contains("--"), "{}", error),
         }

@@ -42,7 +42,7 @@ impl Session {
         let chips = SharedChips::feeling(&source, chip_options(flight, options));
         let elf = Arc::new(Elf::parse(firmware.bytes.clone())?);
         let board_options = Options {
-            settings: Some(options.settings.to_bytes().to_vec()),
+            settings: Some(options.start().to_bytes()),
             watches,
             ..Options::default()
         };

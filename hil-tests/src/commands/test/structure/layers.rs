@@ -34,7 +34,7 @@ const LAYERS: [Layers; 2] = [
                 "refusal",
             ],
             &["logics", "picture", "plot", "scoring", "toolchain"],
-            &["airframes", "firmware"],
+            &["firmware"],
             &["native", "record"],
             &["closed_loop", "replay"],
             &["campaign", "costs", "sweep"],

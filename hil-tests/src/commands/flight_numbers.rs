@@ -1,0 +1,121 @@
+//! Arguments of a simulated flight that are numbers, declared as the autopilot's settings are.
+
+use clap::{ArgMatches, Args, Command, FromArgMatches};
+use reflex_settings::{Kind, Setting, Value, above, within};
+
+use super::settings_arguments::{argument, refused};
+use crate::refusal::Refusal;
+
+/// How many times as fast as configured attitude and rate loops are.
+pub(super) const BANDWIDTH: &Setting =
+    &number(["bandwidth", "FACTOR"], Kind::Number(within(0.25, 5.0)), "")
+        .default("1")
+        .meaning("How many times as fast as configured attitude and rate loops are.");
+/// From take-off to the end.
+pub(super) const DURATION: &Setting = &number(
+    ["duration", "SECONDS"],
+    Kind::Number(above(0.0, 86_400.0)),
+    "s",
+)
+.default("60")
+.meaning("From take-off to the end.");
+/// Speed of the emulated core: below, start-up waits for sensors until after take-off, since it
+/// counts that time in instructions.
+pub(super) const CLOCK: &Setting = &number(
+    ["clock-mhz", "MHZ"],
+    Kind::Count(within(36.0, 672.0)),
+    "MHz",
+)
+.default("168")
+.meaning("Speed of the emulated core; buses and timers keep theirs.");
+/// How many times as much the drone answers its motors.
+pub(super) const PLANT_GAIN: &Setting = &number(
+    ["plant-gain", "FACTOR"],
+    Kind::Number(within(0.1, 10.0)),
+    "",
+)
+.default("1")
+.meaning("Stress: how many times as much the drone answers its motors.");
+/// How much later motor commands apply.
+pub(super) const PLANT_DELAY: &Setting = &number(
+    ["plant-delay", "SECONDS"],
+    Kind::Number(within(0.0, 0.2)),
+    "s",
+)
+.default("0")
+.meaning("Stress: how much later motor commands apply.");
+
+const ALL: [&Setting; 5] = [BANDWIDTH, DURATION, CLOCK, PLANT_GAIN, PLANT_DELAY];
+
+const fn number([option, value]: [&'static str; 2], kind: Kind, unit: &'static str) -> Setting {
+    Setting::of(["", option], kind, unit)
+        .named(option)
+        .option(option, value)
+}
+
+/// The numbers that are given. Others are those of their declarations.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FlightNumbers(Vec<(&'static Setting, Value)>);
+
+impl FlightNumbers {
+    /// A number, given or declared.
+    ///
+    /// # Errors
+    /// It is out of its range.
+    pub(super) fn get(&self, setting: &'static Setting) -> Result<f64, Refusal> {
+        let value = match self.given(setting) {
+            Some(value) => value,
+            None => setting
+                .parse(setting.default)
+                .map_err(|unreadable| refused(setting, unreadable))?,
+        };
+        setting
+            .check(value, None)
+            .map_err(|refusal| refused(setting, refusal))?;
+        match value {
+            Value::Number(number) => Ok(number),
+            _ => Err(refused(setting, "is no number")),
+        }
+    }
+
+    /// What is given for a number, if anything.
+    pub(super) fn given(&self, setting: &'static Setting) -> Option<Value> {
+        let mut given = self.0.iter().filter(|(of, _)| *of == setting);
+        given.next().map(|(_, value)| *value)
+    }
+}
+
+impl Args for FlightNumbers {
+    fn augment_args(command: Command) -> Command {
+        let with_default = |setting: &'static Setting| {
+            argument(setting).map(|argument| {
+                argument.help(format!(
+                    "{}: {} [default: {}]",
+                    setting.meaning.trim_end_matches('.'),
+                    setting.range(),
+                    setting.default
+                ))
+            })
+        };
+        ALL.into_iter()
+            .filter_map(with_default)
+            .fold(command, Command::arg)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for FlightNumbers {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let given =
+            |setting: &'static Setting| Some((setting, *matches.get_one::<Value>(setting.name)?));
+        Ok(Self(ALL.into_iter().filter_map(given).collect()))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
