@@ -1,4 +1,4 @@
-//! What the unmodified firmware is given at its start, checked, and as a checksummed block.
+//! What the firmware is given at its start, checked: a checksummed block.
 //!
 //! A replay (or a bootloader) writes the block to the symbol `REFLEX_SETTINGS` in memory that
 //! start-up leaves alone. Absent or wrong in any way, the values built from `config/` hold,

@@ -1,6 +1,7 @@
 //! Who flies a campaign's jobs: this program, on every core.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
@@ -118,10 +119,9 @@ fn place(sortie: &Sortie) -> [&str; 2] {
 fn scenes(jobs: &[Job]) -> Result<Scenes<'_>> {
     let mut scenes = BTreeMap::new();
     for job in jobs {
-        let [environment, airframe] = place(&job.sortie);
-        if !scenes.contains_key(&[environment, airframe]) {
-            let scene = Scene::load(environment, airframe)?;
-            scenes.insert([environment, airframe], scene);
+        if let Entry::Vacant(place) = scenes.entry(place(&job.sortie)) {
+            let [environment, airframe] = *place.key();
+            place.insert(Scene::load(environment, airframe)?);
         }
     }
     Ok(scenes)

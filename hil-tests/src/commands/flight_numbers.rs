@@ -1,4 +1,4 @@
-//! Arguments of a simulated flight that are numbers, declared as the autopilot's settings are.
+//! Numbers of a simulated flight, declared as the autopilot's settings are.
 
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 use reflex_settings::{Kind, Setting, Value, above, within};

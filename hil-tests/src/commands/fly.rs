@@ -141,6 +141,28 @@ mod tests {
         arguments: FlyArguments,
     }
 
+    /// arguments | what is said
+    const SENSELESS: &str = "
+--mission joyride | [possible values: hover, waypoints]
+--logic px4 | [possible values: cascade, arducopter, cleanflight, openpilot, observer]
+--duration 0 | --duration: 0 is out of range, must be above 0 and at most 86400 s
+--duration nan | must be a finite number
+--scored-from 60 | --scored-from: 60 is out of range, must be 0 to less than the duration of 60 s
+--scored-from -1 | --scored-from: -1 is out of range, must be 0 to less than
+--clock-mhz 8 | --clock-mhz: 8 is out of range, must be 36 to 672 MHz
+--clock-mhz 36 --native | natively there is no processor, leave out --native
+--plant-gain 0 | --plant-gain: 0 is out of range, must be 0.1 to 10
+--plot src | --plot src: is a folder
+--plot nowhere/a.svg | --plot nowhere/a.svg: its folder does not exist
+--plant-delay 1 | --plant-delay: 1 is out of range, must be 0 to 0.2 s
+--bandwidth 0.1 | --bandwidth: 0.1 is out of range, must be 0.25 to 5
+--bandwidth fast | must be a finite number, 0.25 to 5
+--logic arducopter --bandwidth 4 | --bandwidth 4: brings arducopter's angle.p to 18, must be above 0 and at most 12
+--rate 100 | --rate: reactive control has none
+--policy periodic --rate 2000 | must be 1 to 1000 Hz
+--seed -1 | must be a whole number, 0 to 4294967295
+";
+
     /// What is said to these arguments.
     fn refusal(line: &str) -> String {
         let words = ["fly"].into_iter().chain(line.split_whitespace());
@@ -155,59 +177,11 @@ mod tests {
 
     #[test]
     fn senseless_arguments_are_refused_with_their_range() {
-        for (line, expected) in [
-            ("--mission joyride", "[possible values: hover, waypoints]"),
-            (
-                "--logic px4",
-                "[possible values: cascade, arducopter, cleanflight, openpilot, observer]",
-            ),
-            (
-                "--duration 0",
-                "--duration: 0 is out of range, must be above 0 and at most 86400 s",
-            ),
-            ("--duration nan", "must be a finite number"),
-            (
-                "--scored-from 60",
-                "--scored-from: 60 is out of range, must be 0 to less than the duration of 60 s",
-            ),
-            (
-                "--scored-from -1",
-                "--scored-from: -1 is out of range, must be 0 to less than",
-            ),
-            (
-                "--clock-mhz 8",
-                "--clock-mhz: 8 is out of range, must be 36 to 672 MHz",
-            ),
-            (
-                "--clock-mhz 36 --native",
-                "natively there is no processor, leave out --native",
-            ),
-            (
-                "--plant-gain 0",
-                "--plant-gain: 0 is out of range, must be 0.1 to 10",
-            ),
-            ("--plot src", "--plot src: is a folder"),
-            (
-                "--plot nowhere/a.svg",
-                "--plot nowhere/a.svg: its folder does not exist",
-            ),
-            (
-                "--plant-delay 1",
-                "--plant-delay: 1 is out of range, must be 0 to 0.2 s",
-            ),
-            (
-                "--bandwidth 0.1",
-                "--bandwidth: 0.1 is out of range, must be 0.25 to 5",
-            ),
-            ("--bandwidth fast", "must be a finite number, 0.25 to 5"),
-            (
-                "--logic arducopter --bandwidth 4",
-                "--bandwidth 4: brings arducopter's angle.p to 18, must be above 0 and at most 12",
-            ),
-            ("--rate 100", "--rate: reactive control has none"),
-            ("--policy periodic --rate 2000", "must be 1 to 1000 Hz"),
-            ("--seed -1", "must be a whole number, 0 to 4294967295"),
-        ] {
+        for (line, expected) in SENSELESS
+            .trim()
+            .lines()
+            .filter_map(|it| it.split_once(" | "))
+        {
             let said = refusal(line);
             assert!(
                 said.contains(expected),
