@@ -32,6 +32,9 @@ const ROUNDING: f64 = 1e-12;
 /// A number for each motor, zero where there is none.
 type Pattern = [f64; MOST_MOTORS];
 
+/// The pattern of what no motor does.
+const NOTHING: Pattern = [0.0; MOST_MOTORS];
+
 /// One motor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motor {
@@ -168,6 +171,7 @@ impl Airframe {
     ///
     /// # Errors
     /// The first rule that it breaks.
+    #[inline(never)]
     pub fn check(&self) -> Result<(), AirframeError> {
         let count = self.count();
         if !(FEWEST_MOTORS..=MOST_MOTORS).contains(&count) {
@@ -192,7 +196,8 @@ impl Airframe {
                 return Err(AirframeError::Pull(axis.name, pull.abs()));
             }
         }
-        for (axis, own) in axes.iter().zip(self.own_parts(&axes)) {
+        for axis in &axes {
+            let own = self.own_part(&axes, axis);
             let authority = dot(&own, &own) * motors / (axis.unit * axis.unit);
             if authority < LEAST_AUTHORITY {
                 return Err(AirframeError::Authority(axis.name, authority));
@@ -209,15 +214,11 @@ impl Airframe {
     /// reaction of all propellers at full scale. So gains carry over between airframes, but for
     /// what their inertia differs by.
     #[must_use]
+    #[inline(never)]
     pub fn allocation(&self) -> [[f32; MOST_MOTORS]; 3] {
         let axes = self.axes();
-        let [roll, pitch, yaw] = self.own_parts(&axes);
-        let [of_roll, of_pitch, of_yaw] = &axes;
-        [
-            of_roll.steps(&roll),
-            of_pitch.steps(&pitch),
-            of_yaw.steps(&yaw),
-        ]
+        axes.each_ref()
+            .map(|axis| axis.steps(&self.own_part(&axes, axis)))
     }
 
     /// A pattern of the motors that there are.
@@ -230,6 +231,7 @@ impl Airframe {
     }
 
     /// Roll, pitch and yaw; a motor on the right rolls to the left.
+    #[inline(never)]
     fn axes(&self) -> [Axis; 3] {
         let count = self.count() as f64;
         [
@@ -252,19 +254,18 @@ impl Airframe {
         ]
     }
 
-    /// What of each axis' pattern acts on no other axis, nor on the thrust.
-    fn own_parts(&self, [roll, pitch, yaw]: &[Axis; 3]) -> [Pattern; 3] {
-        let thrust = self.pattern(|_| 1.0);
-        let own = |axis: &Axis, one: &Axis, other: &Axis| {
-            let one = across(&one.pattern, &[thrust]);
-            let other = across(&other.pattern, &[thrust, one]);
-            across(&axis.pattern, &[thrust, one, other])
-        };
-        [
-            own(roll, pitch, yaw),
-            own(pitch, roll, yaw),
-            own(yaw, roll, pitch),
-        ]
+    /// What of one axis' pattern acts on no other axis, nor on the thrust.
+    #[inline(never)]
+    fn own_part(&self, axes: &[Axis; 3], axis: &Axis) -> Pattern {
+        let mut others = [self.pattern(|_| 1.0), NOTHING, NOTHING];
+        let of_others = axes.iter().filter(|other| other.name != axis.name);
+        for (place, other) in of_others.enumerate() {
+            let part = across(&other.pattern, &others);
+            if let Some(next) = others.get_mut(place + 1) {
+                *next = part;
+            }
+        }
+        across(&axis.pattern, &others)
     }
 }
 
@@ -287,6 +288,7 @@ impl Axis {
 
 /// What of a pattern lies across all of some that lie across each other; those of no length count
 /// for nothing.
+#[inline(never)]
 fn across(pattern: &Pattern, others: &[Pattern]) -> Pattern {
     let mut rest = *pattern;
     for other in others {
@@ -309,6 +311,7 @@ fn dot(a: &Pattern, b: &Pattern) -> f64 {
 ///
 /// By its series: a quarter turn in degrees is exact, so that nothing is left of a turn. `libm::sin`
 /// takes 6.5 KiB of flash to find quarter turns in any number of radians.
+#[inline(never)]
 fn sine(degrees: f64) -> f64 {
     let quarter = match degrees {
         ..90.0 => degrees,
@@ -405,8 +408,8 @@ mod tests {
         );
         assert_eq!(askew.check(), Ok(()));
         let axes = askew.axes();
-        let own = askew.own_parts(&axes);
-        for (demanded, (axis, own)) in axes.iter().zip(own).enumerate() {
+        for (demanded, axis) in axes.iter().enumerate() {
+            let own = askew.own_part(&axes, axis);
             let step = axis.unit / dot(&own, &own);
             let steps = own.map(|part| exact_zero(part * step));
             assert!(steps.iter().sum::<f64>().abs() < 1e-9);

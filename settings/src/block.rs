@@ -85,6 +85,7 @@ impl<G: Gains> Start<G> {
     ///
     /// # Errors
     /// Why it is none that a start can be given; nothing of a wrong block is used.
+    #[inline(never)]
     pub fn from_bytes(bytes: &[u8], limits: &Limits) -> Result<Self, BlockError> {
         let (mut content, checksum) = bytes
             .split_at_checked(Self::LENGTH - CHECKSUM_LENGTH)

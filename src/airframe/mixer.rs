@@ -74,6 +74,7 @@ impl Default for Mixer {
 impl Mixer {
     /// The mixer of an airframe that was checked.
     #[must_use]
+    #[inline(never)]
     pub fn new(airframe: &Airframe) -> Self {
         Self(match airframe.count() {
             ..=4 => BySize::Four(Allocation::of(airframe)),

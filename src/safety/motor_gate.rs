@@ -2,6 +2,7 @@
 
 use super::Arming;
 use crate::airframe::MotorShares;
+use crate::math::between;
 
 /// A whole motor vector that passed the gate. Nothing else can be written to the motors.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +43,7 @@ impl MotorGate {
         if arming != Arming::Armed {
             self.applied = MotorShares::all(0.0, command.len());
         } else if command.iter().all(|share| share.is_finite()) {
-            self.applied = command.map(|share| share.clamp(0.0, 1.0));
+            self.applied = command.map(|share| between(share, 0.0, 1.0));
         } else {
             self.refused = self.refused.saturating_add(1);
         }

@@ -6,7 +6,7 @@
 use super::{Climb, beyond};
 use crate::control::Goal;
 use crate::estimate::Place;
-use crate::math::limited;
+use crate::math::{between, limited};
 use crate::settings::gains::cleanflight::{Altitude, Gains, Position};
 use crate::units::Thrust;
 
@@ -63,7 +63,7 @@ impl Hold {
     #[must_use]
     pub fn thrust(&self, lifting: bool) -> Thrust {
         let adjustment = if lifting { self.adjustment } else { 0.0 };
-        let share = (self.hover + adjustment).clamp(0.0, 1.0);
+        let share = between(self.hover + adjustment, 0.0, 1.0);
         Thrust::new(share).unwrap_or(Thrust::ZERO)
     }
 }

@@ -12,7 +12,7 @@
 use super::ErrorStretch;
 use crate::control::{Goal, Setpoint, Yaw};
 use crate::estimate::Place;
-use crate::math::{Quaternion, Vec3, limited, sin_cos, wrapped};
+use crate::math::{Quaternion, Vec3, between, limited, sin_cos, wrapped};
 use crate::settings::gains::openpilot::{Altitude, Gains, Position};
 use crate::units::{BodyRates, Thrust};
 
@@ -147,9 +147,13 @@ impl PathFollower {
 
     /// Thrust of an offset from neutral, within its limits.
     fn within_limits(&self, offset: f32) -> f32 {
-        // Cannot panic: the ranges of the configuration keep the limits in order.
-        (self.altitude.thrust_neutral + offset)
-            .clamp(self.altitude.thrust_minimum, self.altitude.thrust_maximum)
+        let Altitude {
+            thrust_minimum: least,
+            thrust_maximum: most,
+            thrust_neutral: neutral,
+            ..
+        } = self.altitude;
+        between(neutral + offset, least, most)
     }
 
     fn proportional_thrust(&self, wanted: f32, velocity: f32) -> f32 {
