@@ -49,7 +49,7 @@ fn build(warm_up: usize, hyperperiods: &[Ingredients]) -> Flight {
             flight.run_early(to_run(*early, reference));
         }
         for (share, by) in reference.iter_mut().zip(moves.iter().cycle()) {
-            *share = (*share + by).clamp(0.0, 1.0);
+            *share = reflex::math::between(*share + by, 0.0, 1.0);
         }
         let run = last.map(|last| to_run(last, reference));
         flight.end_hyperperiod(flight.last_us() + length_us, reference, run);
