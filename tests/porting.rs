@@ -3,6 +3,7 @@
 //! Every snippet of the guide is checked to be code of this repository.
 
 use reflex::dataflow::graph;
+use reflex::math::limited;
 
 /// Desired rate per rad of error, 1/s.
 const ANGLE_P: f32 = 2.5;
@@ -31,7 +32,7 @@ impl RollLoop {
         self.roll += rate * PERIOD;
         let error = ANGLE_P * (target - self.roll) - rate;
         self.integral += RATE_I * error * PERIOD;
-        self.integral = self.integral.clamp(-INTEGRAL_LIMIT, INTEGRAL_LIMIT);
+        self.integral = limited(self.integral, INTEGRAL_LIMIT);
         self.slope += 0.2 * ((rate - self.before) / PERIOD - self.slope);
         self.before = rate;
         RATE_P * error + self.integral - RATE_D * self.slope
@@ -89,7 +90,7 @@ fn angle_loop(roll: f32, target: f32) -> f32 {
 fn integrated(integral: f32, turn: &Turn, wanted: f32) -> f32 {
     let asked = wanted * turn.dt - ANGLE_P * turn.swept;
     let grown = integral + RATE_I * (asked - turn.angle);
-    grown.clamp(-INTEGRAL_LIMIT, INTEGRAL_LIMIT)
+    limited(grown, INTEGRAL_LIMIT)
 }
 
 fn rate_loop(integral: f32, wanted: f32, spin: &Spin) -> f32 {
