@@ -42,7 +42,7 @@ pub use report::{
 pub use rules::{MOST_SATURATED, Rules};
 pub use section::{Actuators, Calibration, Control, Decisions, Section, WINDOW_US, Window};
 pub use summary::summary;
-pub(crate) use table::Table;
+pub(crate) use table::{Table, or_dash};
 
 use oracle::Track;
 use schemars::JsonSchema;

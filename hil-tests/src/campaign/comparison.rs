@@ -200,7 +200,7 @@ pub struct Cell {
 /// A comparison over all cells.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Compared {
-    /// Who is compared with whom.
+    /// The two roles.
     #[serde(flatten)]
     pub comparison: Comparison,
     /// The mean of all cells.

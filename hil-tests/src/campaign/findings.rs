@@ -38,9 +38,9 @@ pub struct Findings {
     pub planned: usize,
     /// Of these, not flown yet.
     pub missing: usize,
-    /// Of these, with nothing to be equal to: the flight that decides the rate crashed.
+    /// Of these, without a rate: the flight that decides it crashed.
     pub undecided: usize,
-    /// Who is compared with whom, and how that came out.
+    /// Every comparison with its result.
     pub comparisons: Vec<Compared>,
     /// Reactive control with other settings against time-triggered control at 400 Hz.
     pub sweeps: Vec<Swept>,
@@ -103,7 +103,7 @@ pub struct Means {
 }
 
 impl Findings {
-    /// Of a plan and what has been flown of it.
+    /// The findings of a plan, over the flights that have been flown.
     #[must_use]
     pub fn of(plan: &Plan, records: &Records) -> Self {
         let planned = plan.part(None);

@@ -34,7 +34,7 @@ impl Interval {
     /// Of cells that were measured with the same seeds: the mean of the cells' means.
     ///
     /// Seeds are independent, cells of one seed may not be. So each seed counts once, with the
-    /// mean of what it is off its cells' means. Count is that of all values.
+    /// mean of its differences from its cells' means. The count is that of all values.
     #[must_use]
     pub fn over_cells(cells: &[Vec<(u32, f64)>]) -> Option<Self> {
         let of_cell = |cell: &Vec<(u32, f64)>| {

@@ -271,7 +271,7 @@ fn optional<T>(rows: impl Iterator<Item = Option<T>>) -> (Vec<T>, Vec<i16>) {
     (values, levels)
 }
 
-/// All values of all lists; for each whether it is one, and goes on with a list.
+/// All values of all lists, with the levels that Parquet keeps: defined or not, in the same list or not.
 fn lists(rows: &[Vec<i32>]) -> (Vec<i32>, [Vec<i16>; 2]) {
     let (mut values, mut defined, mut repeated) = (Vec::new(), Vec::new(), Vec::new());
     for row in rows {

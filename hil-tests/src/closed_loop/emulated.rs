@@ -30,7 +30,7 @@ const SHORTEST_PERIOD_NS: u64 = 950_000 / reflex::config::IMU_RATE as u64 * 1_00
 /// From a sample's interrupt to the motors at the soonest: its burst of 18 bytes at 400 kHz.
 const SHORTEST_ANSWER_NS: u64 = 400_000;
 
-/// An emulated board with everything that is heard of it.
+/// An emulated board, the mirror of its calls, and what was observed so far.
 pub(super) struct EmulatedTier {
     board: Box<EmulatedBoard>,
     observation: Observation,

@@ -20,7 +20,7 @@ impl Rms {
         self.count += 1;
     }
 
-    /// None where nothing was added.
+    /// The root of the mean square; none without a value.
     pub(super) fn value(&self) -> Option<f64> {
         (self.count > 0).then(|| (self.sum / self.count as f64).sqrt())
     }

@@ -4,7 +4,7 @@ use anyhow::Result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scoring::ByReason;
+use crate::scoring::{ByReason, or_dash};
 
 /// The whole flight. The scored part begins when the drone is up and has learned.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -141,9 +141,6 @@ impl FlightReport {
 /// The flight for a person; a dash stands for what has no value.
 #[must_use]
 pub fn summary(report: &FlightReport) -> String {
-    let number = |value: Option<f64>, digits: usize| {
-        value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
-    };
     let when = match report.rate_hz {
         Some(rate) => format!("{} at {rate} Hz", report.policy),
         None => report.policy.clone(),
@@ -170,27 +167,27 @@ pub fn summary(report: &FlightReport) -> String {
         format!(
             "{:.1} s from take-off, scored from {} s, mean wind {} m/s",
             report.duration_s,
-            number(report.scored_from_s, 1),
-            number(report.wind_m_s, 1)
+            or_dash(report.scored_from_s, 1),
+            or_dash(report.wind_m_s, 1)
         ),
         format!(
             "attitude error   roll {} pitch {} yaw {} degrees",
-            number(errors.roll, 3),
-            number(errors.pitch, 3),
-            number(errors.yaw, 3)
+            or_dash(errors.roll, 3),
+            or_dash(errors.pitch, 3),
+            or_dash(errors.yaw, 3)
         ),
-        format!("position error   {} m", number(report.position_error_m, 3)),
+        format!("position error   {} m", or_dash(report.position_error_m, 3)),
         format!(
             "control          {} runs/s ({}), unchanged {} %",
-            number(report.control.rate_hz, 1),
+            or_dash(report.control.rate_hz, 1),
             reasons.join(", "),
-            number(report.control.unchanged_share.map(|share| 100.0 * share), 1)
+            or_dash(report.control.unchanged_share.map(|share| 100.0 * share), 1)
         ),
-        format!("processor        busy {} %", number(busy, 1)),
+        format!("processor        busy {} %", or_dash(busy, 1)),
         format!(
             "energy           {} J/min, {} min to 20 % of the battery",
-            number(report.energy_per_minute_j, 0),
-            number(minutes, 1)
+            or_dash(report.energy_per_minute_j, 0),
+            or_dash(minutes, 1)
         ),
     ];
     if let Some(crash) = report.crash_line() {

@@ -78,7 +78,7 @@ pub struct FlightCost {
 }
 
 impl LogicCost {
-    /// What is dearer than it may be, in one line.
+    /// One line about a cost beyond its limit, where there is one.
     ///
     /// Where everything changed, ours may take an eighth more than time-triggered control. It takes
     /// less than the other reactive ways in every step. An input that reaches less than a fifth
@@ -98,7 +98,7 @@ impl LogicCost {
                 self.not_least
             ));
         }
-        // What a change costs that reaches nothing, and so is no part of the work.
+        // The cost of a change that reaches no node, which is no part of the work.
         let overhead = self.by_input.values().min().copied().unwrap_or(0);
         let mut inputs = self.by_input.iter();
         let (input, cost) = inputs.find(|(_, cost)| {

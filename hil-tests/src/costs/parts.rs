@@ -33,7 +33,7 @@ fn expected() -> usize {
     PARTS.iter().map(|part| part.rounds).sum()
 }
 
-/// Instructions of each measurement, less those of one of nothing.
+/// Instructions of each measurement, less those of an empty one.
 fn costs(measurements: Vec<u64>) -> Vec<Cost> {
     let mut pairs = measurements.into_iter();
     let mut nothing = 0;

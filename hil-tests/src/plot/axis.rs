@@ -1,4 +1,7 @@
 //! Axes: from values to places on paper, and which values get a tick.
+//!
+//! The drawing library has ticks too, but on a logarithmic axis at powers of ten alone, of which
+//! most figures here show one or two.
 
 use std::ops::Range;
 

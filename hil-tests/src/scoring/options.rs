@@ -18,7 +18,7 @@ pub fn report_name(setting: &Setting) -> String {
     }
 }
 
-/// A number as it was written, without the digits that its storage adds; NaN for what is none.
+/// A number as it was written, without the digits that its storage adds; NaN where it is no number.
 #[must_use]
 pub fn number(setting: &'static Setting, value: Value) -> f64 {
     let text = Written(setting, value).to_string();
@@ -27,8 +27,8 @@ pub fn number(setting: &'static Setting, value: Value) -> f64 {
 
 /// Writes each setting by its name.
 ///
-/// A word that stands for no number is null where a number is meant, and so is what only
-/// periodic control has under reactive control.
+/// Null: a word in place of a number, and under reactive control a setting that only periodic
+/// control has.
 pub(super) fn named<S: Serializer>(settings: &Settings, to: S) -> Result<S::Ok, S::Error> {
     let mut map = to.serialize_map(None)?;
     for (setting, value) in settings.values() {

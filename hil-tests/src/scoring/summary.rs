@@ -8,7 +8,7 @@ use super::deviation::rate;
 use super::report::{LatencyPart, Report, RunReport, Sensor, Tier};
 use super::rules::MOST_SATURATED;
 use super::section::Window;
-use super::table::Table;
+use super::table::{Table, or_dash};
 
 /// The report for a person: small tables with their units, and a verdict in the last line.
 ///
@@ -93,7 +93,7 @@ fn sensors(sensors: &[Sensor]) -> String {
     for sensor in sensors {
         let threshold = match sensor.threshold {
             Some(threshold) => format!("{threshold:.4} {}", sensor.unit),
-            None => number(None, 0),
+            None => or_dash(None, 0),
         };
         table.row([
             sensor.name.clone(),
@@ -102,8 +102,8 @@ fn sensors(sensors: &[Sensor]) -> String {
             sensor.triggers.to_string(),
             sensor.state.name().to_owned(),
             threshold,
-            number(sensor.b1, 3),
-            number(sensor.b2, 3),
+            or_dash(sensor.b1, 3),
+            or_dash(sensor.b2, 3),
         ]);
     }
     table.to_string()
@@ -127,16 +127,16 @@ fn runs(run: &RunReport, score: &Score) -> String {
             table.row([
                 (*name).to_owned(),
                 runs.to_string(),
-                number(rate(**runs, length_s), 1),
-                number(latency.map(|latency| latency.p50), 1),
-                number(latency.map(|latency| latency.p99), 1),
-                number(latency.map(|latency| latency.max), 1),
+                or_dash(rate(**runs, length_s), 1),
+                or_dash(latency.map(|latency| latency.p50), 1),
+                or_dash(latency.map(|latency| latency.p99), 1),
+                or_dash(latency.map(|latency| latency.max), 1),
             ]);
         }
     }
     let mut sum = |name: &str, runs: u64, rate_hz| {
         let runs = runs.to_string();
-        let (none, rate) = (String::new, number(rate_hz, 1));
+        let (none, rate) = (String::new, or_dash(rate_hz, 1));
         table.row([name.to_owned(), runs, rate, none(), none(), none()]);
     };
     sum("all", control.runs, rate(control.runs, length_s));
@@ -159,9 +159,9 @@ fn latency_parts(parts: &[LatencyPart]) -> String {
     for part in parts {
         table.row([
             part.part.clone(),
-            number(part.micros.map(|micros| micros.p50), 1),
-            number(part.micros.map(|micros| micros.p99), 1),
-            number(part.micros.map(|micros| micros.max), 1),
+            or_dash(part.micros.map(|micros| micros.p50), 1),
+            or_dash(part.micros.map(|micros| micros.p99), 1),
+            or_dash(part.micros.map(|micros| micros.max), 1),
         ]);
     }
     table.to_string()
@@ -196,8 +196,8 @@ fn commands(run: &RunReport, score: &Score) -> String {
     let (oracle, equal) = (&score.oracle, &score.oracle_equal);
     let mut table = Table::new(["held commands", "runs", "stale %", "RMS quanta"]);
     let mut row = |name: &str, runs: u64, stale: Option<f64>, rms| {
-        let stale = number(percent(stale), 2);
-        table.row([name.to_owned(), runs.to_string(), stale, number(rms, 3)]);
+        let stale = or_dash(percent(stale), 2);
+        table.row([name.to_owned(), runs.to_string(), stale, or_dash(rms, 3)]);
     };
     let runs = score.section.control.runs;
     let with_state = "  with the reference's state";
@@ -258,10 +258,10 @@ fn windows(windows: &[Window]) -> String {
         table.row([
             format!("{:.1}", window.start_s),
             format!("{:.1}", window.length_s),
-            number(window.section.control.rate_hz, 1),
-            number(percent(actuators.stale_fraction), 2),
-            number(actuators.rms_deviation_quanta, 3),
-            number(percent(actuators.saturated_fraction), 1),
+            or_dash(window.section.control.rate_hz, 1),
+            or_dash(percent(actuators.stale_fraction), 2),
+            or_dash(actuators.rms_deviation_quanta, 3),
+            or_dash(percent(actuators.saturated_fraction), 1),
         ]);
     }
     table.to_string()
@@ -275,8 +275,8 @@ fn board(run: &RunReport) -> String {
     if let Some(cpu) = &run.cpu {
         text += &format!(
             "processor {} % busy, {} instructions a run\n",
-            number(percent(cpu.busy_fraction), 1),
-            number(cpu.instructions_per_run, 0)
+            or_dash(percent(cpu.busy_fraction), 1),
+            or_dash(cpu.instructions_per_run, 0)
         );
     }
     if let Some(firmware) = &run.firmware {
@@ -317,7 +317,7 @@ fn verdict(run: &RunReport, score: &Score) -> String {
     format!(
         "verdict: {} strayed {} quanta; at equal runs: {}, {}\n",
         run.policy,
-        number(own.rms_deviation_quanta, 3),
+        or_dash(own.rms_deviation_quanta, 3),
         beside(
             "periodic control",
             score.periodic_equal.rms_deviation_quanta
@@ -328,9 +328,4 @@ fn verdict(run: &RunReport, score: &Score) -> String {
 
 fn percent(share: Option<f64>) -> Option<f64> {
     share.map(|share| 100.0 * share)
-}
-
-/// A number with so many decimals, a dash where there is none.
-fn number(value: Option<f64>, decimals: usize) -> String {
-    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
 }

@@ -46,3 +46,8 @@ impl fmt::Display for Table {
         Ok(())
     }
 }
+
+/// A number with so many decimals, a dash where there is none.
+pub(crate) fn or_dash(value: Option<f64>, decimals: usize) -> String {
+    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
+}

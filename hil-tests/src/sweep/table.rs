@@ -3,7 +3,7 @@
 use super::grid::Axis;
 use super::outcome::Outcome;
 use super::report::{At, SweepReport};
-use crate::scoring::{MOST_SATURATED, Table};
+use crate::scoring::{MOST_SATURATED, Table, or_dash};
 
 /// The report for a person; a dash stands for what has no value.
 ///
@@ -68,16 +68,16 @@ fn table<'r>(report: &SweepReport, rows: impl Iterator<Item = (&'r At, Outcome)>
     ]);
     for (at, outcome) in rows {
         let outcome = outcome.scaled(at.quantum / report.unit);
-        let percent = |share: Option<f64>| number(share.map(|share| 100.0 * share), 1);
+        let percent = |share: Option<f64>| or_dash(share.map(|share| 100.0 * share), 1);
         table.row([
             point(report.grid.axes(), at),
-            number(outcome.runs_per_s, 1),
+            or_dash(outcome.runs_per_s, 1),
             percent(outcome.stale_fraction),
-            number(outcome.rms_deviation_quanta, 3),
-            number(outcome.periodic_rms_quanta, 3),
-            number(outcome.oracle_rms_quanta, 3),
-            number(outcome.ratio_to_periodic, 2),
-            number(outcome.ratio_to_oracle, 2),
+            or_dash(outcome.rms_deviation_quanta, 3),
+            or_dash(outcome.periodic_rms_quanta, 3),
+            or_dash(outcome.oracle_rms_quanta, 3),
+            or_dash(outcome.ratio_to_periodic, 2),
+            or_dash(outcome.ratio_to_oracle, 2),
             percent(outcome.false_positive_share),
             percent(outcome.failsafe_changed_share),
         ]);
@@ -98,8 +98,4 @@ fn point(axes: &[Axis], at: &At) -> String {
 pub(super) fn rounded(value: f64) -> String {
     let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
     rounded.to_string()
-}
-
-fn number(value: Option<f64>, decimals: usize) -> String {
-    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
 }
