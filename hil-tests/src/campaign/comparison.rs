@@ -9,7 +9,7 @@ use super::interval::Interval;
 use super::journal::{Landed, Records};
 use super::plan::{Plan, USUAL_HZ};
 use super::role::{Contender, Role};
-use super::sortie::{Sortie, Tier};
+use super::sortie::{CellName, Sortie, Tier};
 use crate::closed_loop::report::FlightReport;
 
 /// What a flight is judged by.
@@ -180,15 +180,12 @@ pub fn shown_in(
     words.collect()
 }
 
-/// How one airframe with one logic compares in one environment.
+/// How two roles compare in one cell.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Cell {
-    /// Name of the environment.
-    pub environment: String,
-    /// Name of the airframe.
-    pub airframe: String,
-    /// Name of the control logic.
-    pub logic: String,
+    /// Environment, airframe and control logic.
+    #[serde(flatten)]
+    pub name: CellName,
     /// Pairs of flights that were flown.
     pub pairs: usize,
     /// Crashes of the first and of the second of each pair.
@@ -284,8 +281,8 @@ pub fn pairs<'r>(
     plan: &Plan,
     records: &'r Records,
     (of, against): (Role, Role),
-) -> BTreeMap<[&'r str; 3], Vec<Pair<'r>>> {
-    let mut cells = BTreeMap::<[&str; 3], Vec<Pair<'_>>>::new();
+) -> BTreeMap<CellName, Vec<Pair<'r>>> {
+    let mut cells = BTreeMap::<CellName, Vec<Pair<'_>>>::new();
     for (sortie, first) in trials(plan, records, of) {
         if let Some(second) = records.flights.get(&sortie.with(against)) {
             cells
@@ -326,18 +323,16 @@ impl Comparison {
 pub fn cells(plan: &Plan, records: &Records, roles: (Role, Role)) -> Vec<Cell> {
     let by_cell = pairs(plan, records, roles).into_iter();
     let mut cells: Vec<Cell> = by_cell.map(|(cell, pairs)| one(cell, &pairs)).collect();
-    cells.sort_by_key(|cell| plan.place([&cell.environment, &cell.airframe, &cell.logic]));
+    cells.sort_by_key(|cell| plan.place(&cell.name));
     cells
 }
 
-fn one([environment, airframe, logic]: [&str; 3], pairs: &[Pair<'_>]) -> Cell {
+fn one(name: CellName, pairs: &[Pair<'_>]) -> Cell {
     let crashes =
         |crashed: fn(&Pair<'_>) -> bool| pairs.iter().filter(|pair| crashed(pair)).count();
     let interval = |metric: Metric| Some((metric, improvement(metric, pairs)?));
     Cell {
-        environment: environment.to_owned(),
-        airframe: airframe.to_owned(),
-        logic: logic.to_owned(),
+        name,
         pairs: pairs.len(),
         crashes: [
             crashes(|pair| pair.0.report.crashed),

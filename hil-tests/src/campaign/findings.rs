@@ -12,7 +12,7 @@ use super::journal::{Landed, Records, Ways};
 use super::load::{self, Load, learning_share};
 use super::plan::{Plan, USUAL_HZ};
 use super::role::Role;
-use super::sortie::{Sortie, Tier};
+use super::sortie::{CellName, Sortie, Tier};
 use super::tuning::{self, Tuning};
 
 /// Everything, over the flights that have been flown so far.
@@ -80,12 +80,9 @@ pub struct Swept {
 /// Means over the flights of one cell in one role.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Means {
-    /// Name of the environment.
-    pub environment: String,
-    /// Name of the airframe.
-    pub airframe: String,
-    /// Name of the control logic.
-    pub logic: String,
+    /// Environment, airframe and control logic.
+    #[serde(flatten)]
+    pub cell: CellName,
     /// When control runs.
     pub role: String,
     /// Flights.
@@ -193,7 +190,7 @@ fn sweeps(plan: &Plan, records: &Records) -> Vec<Swept> {
     let settings = p_runs.chain(failsafes);
     let swept = settings.flat_map(|setting| {
         let cells = against_usual(plan, records, setting);
-        cells.filter(|swept| swept.cell.logic == plan.sweep_logic)
+        cells.filter(|swept| swept.cell.name.logic == plan.sweep_logic)
     });
     in_order(swept.collect())
 }
@@ -244,11 +241,11 @@ fn means(plan: &Plan, records: &Records) -> Vec<Means> {
         means.collect::<Vec<Means>>()
     };
     let mut means: Vec<Means> = roles.into_iter().flat_map(of_role).collect();
-    means.sort_by_key(|one| plan.place([&one.environment, &one.airframe, &one.logic]));
+    means.sort_by_key(|one| plan.place(&one.cell));
     means
 }
 
-fn mean(cell: [&str; 3], role: Role, flights: &[Pair<'_>]) -> Means {
+fn mean(cell: CellName, role: Role, flights: &[Pair<'_>]) -> Means {
     let of = |value: &dyn Fn(&Landed) -> Option<f64>| {
         let values = flights.iter().filter_map(|(landed, _)| value(landed));
         Interval::of(&values.collect::<Vec<f64>>())
@@ -256,11 +253,8 @@ fn mean(cell: [&str; 3], role: Role, flights: &[Pair<'_>]) -> Means {
     let metrics = Metric::ALL
         .into_iter()
         .filter_map(|metric| Some((metric, of(&|landed| metric.value(&landed.report))?)));
-    let [environment, airframe, logic] = cell.map(str::to_owned);
     Means {
-        environment,
-        airframe,
-        logic,
+        cell,
         role: role.to_string(),
         flights: flights.len(),
         crashes: flights

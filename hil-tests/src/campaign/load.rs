@@ -10,12 +10,12 @@ use serde::Serialize;
 use super::journal::Records;
 use super::plan::{LOAD_RATES_HZ, Plan};
 use super::role::Role;
-use super::sortie::{PERIODS_US, Sortie, Tier};
+use super::sortie::{CellName, PERIODS_US, Sortie, Tier};
 use crate::closed_loop::report::FlightReport;
 
 /// What a run of time-triggered control takes of the processor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct Line {
+pub struct PeriodicLoad {
     /// Busy share without any run.
     pub idle: f64,
     /// Busy share of a run a second, s.
@@ -25,27 +25,24 @@ pub struct Line {
 /// How busy reactive control keeps the processor.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Load {
-    /// Name of the environment.
-    pub environment: String,
-    /// Name of the airframe.
-    pub airframe: String,
-    /// Name of the control logic.
-    pub logic: String,
+    /// Environment, airframe and control logic.
+    #[serde(flatten)]
+    pub cell: CellName,
     /// Busy share of the processor, 0 to 1.
     pub busy: f64,
     /// Runs per second in that flight.
     pub rate_hz: f64,
     /// Share of these runs that were time-triggered, to learn or not trusting that.
     pub learning: f64,
-    /// Time-triggered control's line.
-    pub periodic: Line,
+    /// What time-triggered control takes.
+    pub periodic: PeriodicLoad,
     /// The rate of time-triggered control that is as busy, Hz; may be out of its range.
     pub equal_time_hz: f64,
     /// The rate that is flown: 11 to 1000 Hz.
     pub flown_hz: f64,
 }
 
-impl Line {
+impl PeriodicLoad {
     /// Through two points of rate and load; none where more runs are not more work.
     fn through([(rate, busy), (more, busier)]: [(f64, f64); 2]) -> Option<Self> {
         let per_run_s = (busier - busy) / (more - rate);
@@ -95,16 +92,13 @@ pub fn measured(plan: &Plan, records: &Records, sortie: &Sortie) -> Option<Load>
         seen(records, emulated)
     };
     let [slow, fast] = LOAD_RATES_HZ.map(|hz| point(Role::Periodic(hz)));
-    let periodic = Line::through([slow?, fast?])?;
+    let periodic = PeriodicLoad::through([slow?, fast?])?;
     let reactive = needs.iter().find(|need| need.role == Role::Reactive)?;
     let (rate_hz, busy) = seen(records, reactive)?;
     let report = &records.flights.get(reactive)?.report;
     let equal_time_hz = periodic.rate_hz(busy);
-    let [environment, airframe, logic] = sortie.cell().map(str::to_owned);
     Some(Load {
-        environment,
-        airframe,
-        logic,
+        cell: sortie.cell(),
         busy,
         rate_hz,
         learning: learning_share(report).unwrap_or_default(),
@@ -145,10 +139,10 @@ mod tests {
 
     #[test]
     fn equal_time_is_where_the_line_is_as_busy() {
-        let line = Line::through([(100.0, 0.03), (400.0, 0.06)]).unwrap();
+        let line = PeriodicLoad::through([(100.0, 0.03), (400.0, 0.06)]).unwrap();
         assert!((line.idle - 0.02).abs() < 1e-12 && (line.per_run_s - 1e-4).abs() < 1e-15);
         assert!((line.rate_hz(0.045) - 250.0).abs() < 1e-9);
-        assert_eq!(Line::through([(100.0, 0.03), (400.0, 0.03)]), None);
+        assert_eq!(PeriodicLoad::through([(100.0, 0.03), (400.0, 0.03)]), None);
     }
 
     #[test]

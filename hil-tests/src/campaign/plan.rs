@@ -2,7 +2,7 @@
 
 use super::margins;
 use super::role::{Contender, Role};
-use super::sortie::{Sortie, Tier};
+use super::sortie::{CellName, Sortie, Tier};
 use crate::refusal::Refusal;
 
 /// Every plan's name.
@@ -275,12 +275,12 @@ impl Plan {
 
     /// Where a cell stands in tables: by logic, environment, airframe as planned.
     #[must_use]
-    pub fn place(&self, [environment, airframe, logic]: [&str; 3]) -> [Option<usize>; 3] {
+    pub fn place(&self, cell: &CellName) -> [Option<usize>; 3] {
         let within = |names: &[String], name: &str| names.iter().position(|it| it == name);
         [
-            within(&self.logics, logic),
-            within(&self.environments, environment),
-            within(&self.airframes, airframe),
+            within(&self.logics, &cell.logic),
+            within(&self.environments, &cell.environment),
+            within(&self.airframes, &cell.airframe),
         ]
     }
 

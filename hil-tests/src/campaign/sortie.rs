@@ -8,6 +8,7 @@ use reflex::config::{LIMITS, SETTINGS};
 use reflex::sensors::{Input, Inputs};
 use reflex::settings::{Policy, Settings};
 use reflex::time::micros;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::role::Role;
@@ -25,6 +26,31 @@ const OBSERVER: &str = "observer";
 ///
 /// Below 11 Hz the failsafe would run control in its place.
 pub const PERIODS_US: [u64; 2] = [1_000, 90_909];
+
+/// A cell of the tables: one airframe with one control logic in one environment.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
+pub struct CellName {
+    /// Name of the environment.
+    pub environment: String,
+    /// Name of the airframe.
+    pub airframe: String,
+    /// Name of the control logic.
+    pub logic: String,
+}
+
+impl CellName {
+    /// Whether it is the one of an environment, an airframe and a control logic.
+    #[must_use]
+    pub fn is(&self, names: [&str; 3]) -> bool {
+        [&*self.environment, &*self.airframe, &*self.logic] == names
+    }
+}
+
+impl fmt::Display for CellName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, {}, {}", self.environment, self.airframe, self.logic)
+    }
+}
 
 /// A flight of a plan: its report follows from this and [`Job::period_us`].
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -79,20 +105,23 @@ impl Sortie {
         }
     }
 
-    /// The cell of every table that it belongs to: environment, airframe, logic.
+    /// The cell that it belongs to.
     #[must_use]
-    pub fn cell(&self) -> [&str; 3] {
-        [&self.environment, &self.airframe, &self.logic]
+    pub fn cell(&self) -> CellName {
+        CellName {
+            environment: self.environment.clone(),
+            airframe: self.airframe.clone(),
+            logic: self.logic.clone(),
+        }
     }
 }
 
 impl fmt::Display for Sortie {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [environment, airframe, logic] = self.cell();
-        let (role, seed) = (self.role, self.seed);
         write!(
             f,
-            "{airframe} in {environment} with {logic}, {role}, seed {seed}"
+            "{} in {} with {}, {}, seed {}",
+            self.airframe, self.environment, self.logic, self.role, self.seed
         )
     }
 }

@@ -92,7 +92,7 @@ fn the_smoke_plan_flies_and_comes_to_the_same_report_from_its_journal() {
     assert_eq!(cells_of(&flown, Role::Reactive, Role::EqualRuns).len(), 4);
     let observing = Role::Observing(Contender::Reactive);
     let observing = cells_of(&flown, observing, Role::Hovering(Contender::Usual));
-    assert!(observing.iter().all(|cell| cell.logic == "cascade"));
+    assert!(observing.iter().all(|cell| cell.name.logic == "cascade"));
     assert_eq!(observing.len(), 2);
     let rates = |role: Role| {
         let mut means = flown

@@ -12,7 +12,7 @@ use super::journal::Records;
 use super::margins::{BANDWIDTHS, strained};
 use super::plan::Plan;
 use super::role::{Contender, Role};
-use super::sortie::Sortie;
+use super::sortie::{CellName, Sortie};
 
 /// Most that a drone turns which bears its strain, RMS in rad/s. Wind alone turns it by 0.1.
 const MOST_TURNING: f64 = 0.3;
@@ -20,12 +20,9 @@ const MOST_TURNING: f64 = 0.3;
 /// How fast a policy may make the loops of one cell.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Tuning {
-    /// Name of the environment.
-    pub environment: String,
-    /// Name of the airframe.
-    pub airframe: String,
-    /// Name of the control logic.
-    pub logic: String,
+    /// Environment, airframe and control logic.
+    #[serde(flatten)]
+    pub cell: CellName,
     /// The role that is flown with it.
     pub role: String,
     /// In % of the configured bandwidth.
@@ -70,11 +67,8 @@ pub fn all(plan: &Plan, records: &Records) -> Vec<Tuning> {
     let cells = plan.cells();
     let tunings = cells.iter().flat_map(|cell| {
         Contender::ALL.into_iter().filter_map(|of| {
-            let [environment, airframe, logic] = cell.cell().map(str::to_owned);
             Some(Tuning {
-                environment,
-                airframe,
-                logic,
+                cell: cell.cell(),
                 role: Role::Tuned(of).to_string(),
                 bandwidth_percent: fastest(records, cell, of)?,
             })

@@ -46,9 +46,7 @@ fn unchanged(plan: &Plan, findings: &Findings) -> Result<Shown> {
     let panels = plan.logics.iter().map(|logic| {
         let value = |environment: &str, airframe: &str| {
             let mut means = findings.means.iter().filter(|one| one.role == role);
-            let is = |one: &&Means| {
-                one.environment == environment && one.airframe == airframe && one.logic == *logic
-            };
+            let is = |one: &&Means| one.cell.is([environment, airframe, logic]);
             means.find(is)?.unchanged_percent
         };
         bars::panel(plan, (logic, "unchanged commands, %"), &value, None)
@@ -74,10 +72,8 @@ fn improvements(
 ) -> Vec<Panel> {
     let panels = plan.logics.iter().map(|logic| {
         let value = |environment: &str, airframe: &str| {
-            let is = [environment, airframe, logic.as_str()];
             let mut cells = compared.cells.iter();
-            let cell =
-                cells.find(|cell| [&*cell.environment, &*cell.airframe, &*cell.logic] == is)?;
+            let cell = cells.find(|cell| cell.name.is([environment, airframe, logic]))?;
             cell.improvement_percent.get(&metric).copied()
         };
         let title = format!("{logic}: {} against {against}", metric.name());
@@ -197,7 +193,7 @@ fn ways(plan: &Plan, findings: &Findings) -> Result<Shown> {
             .means
             .iter()
             .filter(|one| one.role == Role::Reactive.to_string());
-        let rates = reactive.filter(|one| one.logic == logic);
+        let rates = reactive.filter(|one| one.cell.logic == logic);
         let rates: Vec<f64> = rates.filter_map(|one| Some(one.rate_hz?.mean)).collect();
         Interval::of(&rates).map(|interval| interval.mean)
     };
@@ -278,11 +274,11 @@ fn sweeps(plan: &Plan, findings: &Findings) -> Result<Shown> {
     let failsafe = ("T_failsafe, s", Scale::Logarithmic);
     let by_airframe = |name: &str| -> Box<dyn Fn(&Swept) -> bool> {
         let name = name.to_owned();
-        Box::new(move |it| it.cell.airframe == name)
+        Box::new(move |it| it.cell.name.airframe == name)
     };
     let mut panels = Vec::new();
     let in_windiest: Vec<&Swept> = of("p_run")
-        .filter(|it| it.cell.environment == windiest)
+        .filter(|it| it.cell.name.environment == windiest)
         .collect();
     panels.push(sweep(
         &format!("P_run in {windiest}"),
@@ -291,17 +287,17 @@ fn sweeps(plan: &Plan, findings: &Findings) -> Result<Shown> {
         &|name| curve(&in_windiest, &by_airframe(name)),
     ));
     let with_long: Vec<&Swept> = of("p_run")
-        .filter(|it| it.cell.airframe == plan.long.0)
+        .filter(|it| it.cell.name.airframe == plan.long.0)
         .collect();
     panels.push(sweep(
         &format!("P_run with {}", plan.long.0),
         p_run,
         environments,
-        &|name| curve(&with_long, &|it| it.cell.environment == name),
+        &|name| curve(&with_long, &|it| it.cell.name.environment == name),
     ));
     for environment in &plan.environments {
         let here: Vec<&Swept> = of("failsafe_s")
-            .filter(|it| it.cell.environment == *environment)
+            .filter(|it| it.cell.name.environment == *environment)
             .collect();
         panels.push(sweep(
             &format!("T_failsafe in {environment}"),

@@ -92,10 +92,9 @@ fn range(metric: Metric, cells: &[Cell]) -> String {
     let known = || cells.iter().filter_map(|cell| Some((of(cell)?, cell)));
     let low = known().min_by(|one, other| one.0.total_cmp(&other.0));
     let high = known().max_by(|one, other| one.0.total_cmp(&other.0));
-    let place = |cell: &Cell| format!("{}, {}, {}", cell.environment, cell.airframe, cell.logic);
     match low.zip(high) {
         Some(((low, worst), (high, best))) if cells.len() > 1 => {
-            let (worst, best) = (place(worst), place(best));
+            let (worst, best) = (&worst.name, &best.name);
             let [low, high] = [low, high].map(percent);
             format!("; by cell {low} % ({worst}) to {high} % ({best})")
         }

@@ -15,12 +15,15 @@ use crate::plot::{Panel, Scale};
 /// None in practice: nothing is written but a string.
 pub fn figure(plan: &Plan, findings: &Findings) -> Result<Shown> {
     let panels = plan.logics.iter().map(|logic| -> Panel {
-        let of_logic = findings.rates.iter().filter(|it| it.cell.logic == *logic);
+        let of_logic = findings
+            .rates
+            .iter()
+            .filter(|it| it.cell.name.logic == *logic);
         let own: Vec<&Swept> = of_logic.collect();
         let axis = ("runs per second", Scale::Logarithmic);
         let environments = (&*plan.environments, &OTHERS[..]);
         sweep(logic, axis, environments, &|name| {
-            curve(&own, &|it| it.cell.environment == name)
+            curve(&own, &|it| it.cell.name.environment == name)
         })
     });
     let title = "Time-triggered control at other rates, against its own 400 Hz";

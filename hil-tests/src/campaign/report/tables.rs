@@ -7,6 +7,7 @@ use crate::campaign::findings::{Findings, Means};
 use crate::campaign::interval::Interval;
 use crate::campaign::margins;
 use crate::campaign::plan::Plan;
+use crate::campaign::sortie::CellName;
 
 /// What the table of improvements has columns of.
 const SHOWN: [Metric; 5] = [
@@ -48,7 +49,7 @@ pub fn section(plan: &Plan, findings: &Findings) -> Markup {
 
 fn tunings(plan: &Plan, findings: &Findings) -> Markup {
     let mut tunings: Vec<_> = findings.tunings.iter().collect();
-    tunings.sort_by_key(|it| plan.place([&it.environment, &it.airframe, &it.logic]));
+    tunings.sort_by_key(|it| plan.place(&it.cell));
     html! {
         h3 { "Loops at equal margins" }
         p {
@@ -60,7 +61,7 @@ fn tunings(plan: &Plan, findings: &Findings) -> Markup {
             tr { (names_head()) th class="name" { "control" } th { "bandwidth, %" } }
             @for it in tunings {
                 tr {
-                    (names(&it.environment, &it.airframe, &it.logic))
+                    (names(&it.cell))
                     td class="name" { (it.role) }
                     td { (it.bandwidth_percent) }
                 }
@@ -79,7 +80,7 @@ fn improvements(compared: &Compared) -> Markup {
             }
             @for cell in &compared.cells {
                 tr {
-                    (names(&cell.environment, &cell.airframe, &cell.logic))
+                    (names(&cell.name))
                     @for metric in SHOWN { (improvement(cell, metric)) }
                     td { (cell.pairs) }
                     td { (cell.crashes[0]) " : " (cell.crashes[1]) }
@@ -113,7 +114,7 @@ fn means(means: &[Means]) -> Markup {
             }
             @for one in means {
                 tr {
-                    (names(&one.environment, &one.airframe, &one.logic))
+                    (names(&one.cell))
                     td class="name" { (one.role) }
                     td { (plain(one.rate_hz.as_ref(), 1.0, 1)) }
                     td { (plain(one.learning_percent.as_ref(), 1.0, 1)) }
@@ -131,7 +132,7 @@ fn means(means: &[Means]) -> Markup {
 
 fn loads(plan: &Plan, findings: &Findings) -> Markup {
     let mut loads: Vec<_> = findings.loads.iter().collect();
-    loads.sort_by_key(|load| plan.place([&load.environment, &load.airframe, &load.logic]));
+    loads.sort_by_key(|load| plan.place(&load.cell));
     html! {
         h3 { "Processor time" }
         p {
@@ -147,7 +148,7 @@ fn loads(plan: &Plan, findings: &Findings) -> Markup {
             }
             @for load in loads {
                 tr {
-                    (names(&load.environment, &load.airframe, &load.logic))
+                    (names(&load.cell))
                     td { (format!("{:.1}", load.rate_hz)) }
                     td { (format!("{:.1}", 100.0 * load.learning)) }
                     td { (format!("{:.2}", 100.0 * load.busy)) }
@@ -168,8 +169,10 @@ fn names_head() -> Markup {
     html! { th class="name" { "environment" } th class="name" { "airframe" } th class="name" { "logic" } }
 }
 
-fn names(environment: &str, airframe: &str, logic: &str) -> Markup {
-    html! { td class="name" { (environment) } td class="name" { (airframe) } td class="name" { (logic) } }
+fn names(cell: &CellName) -> Markup {
+    html! {
+        @for name in [&cell.environment, &cell.airframe, &cell.logic] { td class="name" { (name) } }
+    }
 }
 
 fn signed(interval: &Interval) -> String {
