@@ -43,6 +43,7 @@ mod app {
     use defmt_rtt as _;
     use panic_probe as _;
     use reflex::app::{Autopilot, CallRing};
+    use reflex::graph::{Flown, Tuned};
     use reflex::sensors::Input;
     use reflex::tasks::chips::{self as owner, Fetches};
     use reflex::tasks::{Board, Lock, Task, control, imu, link};
@@ -118,8 +119,9 @@ mod app {
         let calls = calls::take().expect("taken once");
         failsafe::spawn().expect("spawned once");
         heartbeat::spawn().expect("spawned once");
+        let logic = Flown::with(board.start.gains, board.mixer);
         let shared = Shared {
-            autopilot: Autopilot::new(&board.start, calls),
+            autopilot: Autopilot::with_logic(board.start.settings, calls, logic),
             motors: board.motors,
             imu_bus: board.imu_bus,
             fetches: Fetches::default(),

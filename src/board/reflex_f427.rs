@@ -26,6 +26,7 @@ pub use motors::Motors;
 
 use cortex_m::singleton;
 use embedded_hal_bus::util::AtomicCell;
+use reflex::airframe::Mixer;
 use reflex::tasks::link;
 use reflex_drivers::mpu6050::BURST_LENGTH;
 use stm32f4xx_hal::dma::StreamsTuple;
@@ -58,6 +59,8 @@ pub struct Board {
     pub watchdog: IndependentWatchdog,
     /// What this start was given.
     pub start: Given,
+    /// The mixer of its airframe: made before the sensors start, as it takes longer than they wait.
+    pub mixer: Mixer,
 }
 
 /// Brings the chip up; 105 ms, of which the MPU6050 takes 100 to wake. Motors stand still.
@@ -73,6 +76,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     device.TIM5.monotonic_us(&mut core.NVIC, rcc);
     // The clock runs: from here on the log has time stamps.
     let start = settings_block::read();
+    let mixer = Mixer::new(&start.airframe);
     let (a, b) = (device.GPIOA.split(rcc), device.GPIOB.split(rcc));
     let (c, d) = (device.GPIOC.split(rcc), device.GPIOD.split(rcc));
     let streams = StreamsTuple::new(device.DMA1, rcc);
@@ -124,6 +128,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
         link,
         watchdog,
         start,
+        mixer,
     }
 }
 
