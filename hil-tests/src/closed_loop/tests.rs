@@ -131,6 +131,27 @@ fn the_firmware_flies_in_closed_loop_and_comes_to_the_hosts_commands_bit_by_bit(
     assert!((here / there - 1.0).abs() < 0.25, "{here} {there}");
 }
 
+/// Airframe and gains reach it in the settings block; it checks itself against the host.
+#[test]
+fn the_same_firmware_flies_another_airframe_with_faster_loops() {
+    let scene = Scene::load("lab", "hexa_x").unwrap();
+    let mut options = options(LogicName::configured(), Policy::Reactive, 6);
+    options.gains = AnyGains::quickened(LogicName::configured(), 1.4).unwrap();
+    options.duration_s = 11.0;
+    let firmware = Firmware::build(options.gains.name(), &mut Silent).unwrap();
+    let flown = fly(
+        &scene,
+        &options,
+        Flyer::Emulated(&firmware, 168),
+        &mut Silent,
+    )
+    .unwrap();
+    assert_eq!(flown.report.crash_line(), None);
+    assert_eq!(flown.report.airframe, "hexa_x");
+    assert!(flown.report.control.by_reason.trigger > 0);
+    assert!(flown.report.attitude_error_deg.roll.unwrap() < 5.0);
+}
+
 #[test]
 fn control_at_a_low_rate_has_less_of_a_delay_margin_than_reactive_control() {
     let turning = |policy| {

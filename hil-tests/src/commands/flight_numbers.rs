@@ -6,51 +6,52 @@ use reflex_settings::{Kind, Setting, Value, above, within};
 use super::settings_arguments::{argument, refused};
 use crate::refusal::Refusal;
 
-/// How many times as fast as configured attitude and rate loops are.
-pub(super) const BANDWIDTH: &Setting =
-    &number(["bandwidth", "FACTOR"], Kind::Number(within(0.25, 5.0)), "")
-        .default("1")
-        .meaning("How many times as fast as configured attitude and rate loops are.");
-/// From take-off to the end.
+pub(super) const BANDWIDTH: &Setting = &number(
+    ["bandwidth", "FACTOR"],
+    (Kind::Number(within(0.25, 5.0)), ""),
+    "1",
+    "How many times as fast as configured attitude and rate loops are",
+);
 pub(super) const DURATION: &Setting = &number(
     ["duration", "SECONDS"],
-    Kind::Number(above(0.0, 86_400.0)),
-    "s",
-)
-.default("60")
-.meaning("From take-off to the end.");
-/// Speed of the emulated core: below, start-up waits for sensors until after take-off, since it
-/// counts that time in instructions.
+    (Kind::Number(above(0.0, 86_400.0)), "s"),
+    "60",
+    "From take-off to the end",
+);
+// Below, start-up waits for sensors until after take-off: it counts that time in instructions.
 pub(super) const CLOCK: &Setting = &number(
     ["clock-mhz", "MHZ"],
-    Kind::Count(within(36.0, 672.0)),
-    "MHz",
-)
-.default("168")
-.meaning("Speed of the emulated core; buses and timers keep theirs.");
-/// How many times as much the drone answers its motors.
+    (Kind::Count(within(36.0, 672.0)), "MHz"),
+    "168",
+    "Speed of the emulated core; buses and timers keep theirs",
+);
 pub(super) const PLANT_GAIN: &Setting = &number(
     ["plant-gain", "FACTOR"],
-    Kind::Number(within(0.1, 10.0)),
-    "",
-)
-.default("1")
-.meaning("Stress: how many times as much the drone answers its motors.");
-/// How much later motor commands apply.
+    (Kind::Number(within(0.1, 10.0)), ""),
+    "1",
+    "Stress: how many times as much the drone answers its motors",
+);
 pub(super) const PLANT_DELAY: &Setting = &number(
     ["plant-delay", "SECONDS"],
-    Kind::Number(within(0.0, 0.2)),
-    "s",
-)
-.default("0")
-.meaning("Stress: how much later motor commands apply.");
+    (Kind::Number(within(0.0, 0.2)), "s"),
+    "0",
+    "Stress: how much later motor commands apply",
+);
 
 const ALL: [&Setting; 5] = [BANDWIDTH, DURATION, CLOCK, PLANT_GAIN, PLANT_DELAY];
 
-const fn number([option, value]: [&'static str; 2], kind: Kind, unit: &'static str) -> Setting {
+/// A number with its option, unit, default and meaning.
+const fn number(
+    [option, value]: [&'static str; 2],
+    (kind, unit): (Kind, &'static str),
+    default: &'static str,
+    meaning: &'static str,
+) -> Setting {
     Setting::of(["", option], kind, unit)
         .named(option)
         .option(option, value)
+        .default(default)
+        .meaning(meaning)
 }
 
 /// The numbers that are given. Others are those of their declarations.
@@ -91,7 +92,7 @@ impl Args for FlightNumbers {
             argument(setting).map(|argument| {
                 argument.help(format!(
                     "{}: {} [default: {}]",
-                    setting.meaning.trim_end_matches('.'),
+                    setting.meaning,
                     setting.range(),
                     setting.default
                 ))
