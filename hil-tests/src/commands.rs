@@ -29,6 +29,7 @@ pub(crate) use sweep_text::grid as grid_of;
 
 use crate::refusal::Refusal;
 use recorded_flights::FlightError;
+use reflex_config::ConfigError;
 
 /// Exit code of input that is refused.
 const REFUSED: u8 = 2;
@@ -91,9 +92,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 fn exit_code(error: &anyhow::Error) -> u8 {
-    let refused = error
-        .chain()
-        .any(|cause| cause.is::<Refusal>() || cause.is::<FlightError>());
+    let refused = error.chain().any(|cause| {
+        cause.is::<Refusal>() || cause.is::<FlightError>() || cause.is::<ConfigError>()
+    });
     if refused { REFUSED } else { FAILED }
 }
 
@@ -163,10 +164,12 @@ mod tests {
     }
 
     #[test]
-    fn refusals_and_bad_logs_are_told_from_failures() {
+    fn refusals_bad_logs_and_bad_configuration_are_told_from_failures() {
         assert_eq!(exit_code(&Refusal::new("no").into()), REFUSED);
         let wrapped = anyhow::Error::from(Refusal::new("no")).context("while asking");
         assert_eq!(exit_code(&wrapped), REFUSED);
+        let unknown = crate::closed_loop::Scene::load("moon", reflex::config::AIRFRAME);
+        assert_eq!(exit_code(&unknown.unwrap_err()), REFUSED);
         assert_eq!(exit_code(&anyhow::anyhow!("broken")), FAILED);
     }
 
