@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use reflex_settings::gains::LOGICS;
 use reflex_settings::{BOARD, Declared, INPUT, Kind, REACTIVE, Setting, Settings};
 
 /// The comment of a key: the lines above it and what follows its value, as one line.
@@ -88,6 +89,39 @@ fn the_comment_of_the_inputs_says_what_each_has() {
         );
         if let Some(range) = setting.kind.range() {
             assert!(text.contains(&range.to_string()), "{range}");
+        }
+    }
+}
+
+/// The value behind "default" in a comment, as it is written.
+fn default_of(comment: &str) -> &str {
+    let (_, behind) = comment.split_once("default ").unwrap_or_default();
+    let end = match behind.strip_prefix('[') {
+        Some(list) => list.find(']').map(|end| end + 2),
+        None => behind.find([':', ',', ' ', ';']),
+    };
+    behind[..end.unwrap_or(behind.len())].trim_end_matches('.')
+}
+
+#[test]
+fn every_comment_of_a_logic_says_range_and_default() {
+    for logic in LOGICS {
+        let name = format!("logics/{}.toml", logic.logic);
+        let text = file(&name);
+        for gain in logic.gains {
+            let (comment, path) = (comment(&text, gain), gain.path());
+            let range = gain.kind.range().unwrap().to_string();
+            let says = format!("{range}, default ");
+            assert!(
+                comment.contains(&says),
+                "{name}: {path}: {comment:?} does not say {says:?}"
+            );
+            let written = gain.parse(default_of(&comment));
+            assert_eq!(
+                written,
+                gain.parse(gain.default),
+                "{name}: {path}: {comment:?}"
+            );
         }
     }
 }
