@@ -165,15 +165,11 @@ impl Flying<'_> {
         }
         // The longest first, so that no core is left alone with it.
         jobs.sort_by_key(|job| std::cmp::Reverse(job.sortie.duration_s));
-        let orders = Orders {
-            stamp: self.stamp.clone(),
-            tier,
-            jobs,
-        };
+        let orders = Orders { tier, jobs };
         let (mut done, of) = (0, orders.jobs.len());
-        let journal = &mut self.journal;
-        crew.fly(&orders, progress, &mut |line, progress| {
-            journal.write(line)?;
+        let (journal, stamp) = (&mut self.journal, &self.stamp);
+        crew.fly(&orders, progress, &mut |landed, progress| {
+            journal.write(&journal::flight_line(stamp, landed)?)?;
             done += 1;
             progress.done(f64::from(done), of as f64);
             Ok(())

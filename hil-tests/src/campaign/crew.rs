@@ -8,7 +8,7 @@ use std::sync::mpsc;
 use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
 
-use super::journal::{self, Landed, Stamp, Ways};
+use super::journal::{Landed, Ways};
 use super::sortie::{Job, Sortie, Tier};
 use crate::closed_loop::{self, Flyer, Scene};
 use crate::costs;
@@ -20,15 +20,15 @@ use recorded_flights::{Flight, Rotate, sample_flight};
 /// Speed of the emulated core, MHz.
 const CLOCK_MHZ: u32 = 168;
 
-/// Takes a journal's line of a finished flight, and tells how far it is.
-pub type Take<'t> = &'t mut dyn FnMut(&str, &mut dyn Progress) -> Result<()>;
+/// Takes a finished flight, and says how far the campaign is.
+pub type Take<'t> = &'t mut dyn FnMut(Landed, &mut dyn Progress) -> Result<()>;
 
-/// Whoever flies a campaign's jobs. Each flight follows from its job alone.
+/// Who flies a campaign's jobs. Each flight follows from its job alone.
 pub trait Crew {
-    /// Flies jobs; their lines come in any order.
+    /// Flies jobs; they land in any order.
     ///
     /// # Errors
-    /// A flight that cannot be flown, firmware that contradicts the host, a line not taken.
+    /// A flight that cannot be flown, firmware that contradicts the host, a flight not taken.
     fn fly(&mut self, orders: &Orders, progress: &mut dyn Progress, take: Take<'_>) -> Result<()>;
 
     /// Measures what a run of each control logic costs.
@@ -58,8 +58,6 @@ pub trait Crew {
 /// Flights that wait for no other of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Orders {
-    /// What the lines are to carry.
-    pub stamp: Stamp,
     /// What all of them fly on.
     pub tier: Tier,
     /// The flights.
@@ -99,9 +97,8 @@ impl Crew for Here {
                 });
             }
             drop(sender);
-            let result = landed.iter().try_for_each(|landed| {
-                take(&journal::flight_line(&orders.stamp, landed?)?, progress)
-            });
+            let mut landed = landed.iter();
+            let result = landed.try_for_each(|landed| take(landed?, progress));
             stop.store(true, Ordering::Relaxed);
             result
         })
