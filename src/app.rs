@@ -55,12 +55,11 @@ pub struct Autopilot<R, L = Flown> {
 }
 
 impl<R: Recorder> Autopilot<R> {
-    /// On the ground, not calibrated, with what was checked at the start; flies the control logic
-    /// that is built in.
+    /// On the ground, not calibrated, with what was checked at the start and the mixer of its
+    /// airframe; flies the control logic that is built in.
     #[must_use]
-    pub fn new(start: &Start<<Flown as Tuned>::Gains>, recorder: R) -> Self {
-        let logic = Flown::with(start.gains, Mixer::new(&start.airframe));
-        Self::with_logic(start.settings, recorder, logic)
+    pub fn new(start: &Start<<Flown as Tuned>::Gains>, mixer: &Mixer, recorder: R) -> Self {
+        Self::with_logic(start.settings, recorder, Flown::with(start.gains, *mixer))
     }
 }
 

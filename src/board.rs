@@ -16,6 +16,7 @@ mod clock;
 mod hard_fault;
 mod lines;
 mod settings_block;
+pub use settings_block::Given;
 mod watchdog;
 
 #[cfg(board = "reflex_f427")]

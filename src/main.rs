@@ -40,10 +40,11 @@ fn main() {
 mod app {
     use core::sync::atomic::{AtomicBool, Ordering};
 
+    use cortex_m::singleton;
     use defmt_rtt as _;
     use panic_probe as _;
+    use reflex::airframe::Mixer;
     use reflex::app::{Autopilot, CallRing};
-    use reflex::graph::{Flown, Tuned};
     use reflex::sensors::Input;
     use reflex::tasks::chips::{self as owner, Fetches};
     use reflex::tasks::{Board, Lock, Task, control, imu, link};
@@ -52,7 +53,7 @@ mod app {
     use stm32f4xx_hal::pac::Interrupt;
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-    use crate::board::{self, Chips, Engine, Line, Link, Mono, Motors, calls, now};
+    use crate::board::{self, Chips, Engine, Given, Line, Link, Mono, Motors, calls, now};
 
     const HYPERPERIOD: Interrupt = Interrupt::CAN2_TX;
     const CHIPS: Interrupt = Interrupt::CAN2_RX0;
@@ -98,9 +99,20 @@ mod app {
         }
     }
 
+    /// The autopilot, which RTIC guards as well; [`pilot`] makes it.
+    struct Piloted<M>(M);
+
+    impl<M: rtic::Mutex<T = &'static mut Pilot>> Lock for Piloted<M> {
+        type Target = Pilot;
+
+        fn lock<T>(&mut self, step: impl FnOnce(&mut Pilot) -> T) -> T {
+            self.0.lock(|pilot| step(pilot))
+        }
+    }
+
     #[shared]
     struct Shared {
-        autopilot: Pilot,
+        autopilot: &'static mut Pilot,
         motors: Motors,
         imu_bus: Engine,
         fetches: Fetches,
@@ -119,9 +131,8 @@ mod app {
         let calls = calls::take().expect("taken once");
         failsafe::spawn().expect("spawned once");
         heartbeat::spawn().expect("spawned once");
-        let logic = Flown::with(board.start.gains, board.mixer);
         let shared = Shared {
-            autopilot: Autopilot::with_logic(board.start.settings, calls, logic),
+            autopilot: pilot(&board.start, &board.mixer, calls),
             motors: board.motors,
             imu_bus: board.imu_bus,
             fetches: Fetches::default(),
@@ -129,6 +140,13 @@ mod app {
         };
         let (chips, watchdog) = (board.chips, board.watchdog);
         (shared, Local { chips, watchdog })
+    }
+
+    /// Makes the autopilot in a frame of its own: the 4 KiB of stack that this takes do not add to
+    /// those of the board's start.
+    #[inline(never)]
+    fn pilot(start: &Given, mixer: &Mixer, calls: &'static mut CallRing) -> &'static mut Pilot {
+        singleton!(: Pilot = Autopilot::new(start, mixer, calls)).expect("made once")
     }
 
     /// Stamps the MPU6050's sample and starts its burst.
@@ -176,7 +194,7 @@ mod app {
     /// A burst or a check is there, or was cut off.
     #[task(binds = DMA1_STREAM0, priority = 4, shared = [imu_bus, autopilot])]
     fn imu_received(cx: imu_received::Context) {
-        let (mut bus, mut autopilot) = (cx.shared.imu_bus, Guarded(cx.shared.autopilot));
+        let (mut bus, mut autopilot) = (cx.shared.imu_bus, Piloted(cx.shared.autopilot));
         while let Some(report) = bus.lock(|bus| bus.report()) {
             if let Some(difference) = imu::received(&mut Vectors, &mut autopilot, &report) {
                 board::imu::warn(&difference);
@@ -189,7 +207,7 @@ mod app {
     #[task(binds = CAN2_TX, priority = 4, shared = [autopilot, motors])]
     fn hyperperiod(cx: hyperperiod::Context) {
         let (autopilot, motors) = (cx.shared.autopilot, cx.shared.motors);
-        control::hyperperiod(&mut Vectors, &mut Guarded(autopilot), &mut Guarded(motors));
+        control::hyperperiod(&mut Vectors, &mut Piloted(autopilot), &mut Guarded(motors));
     }
 
     /// Ends a hyperperiod in which a gating sample is missing.
@@ -202,7 +220,7 @@ mod app {
     /// Runs control where nothing else did, feeds the watchdog, looks after the MPU6050.
     #[task(priority = 4, local = [watchdog], shared = [autopilot, motors, imu_bus])]
     async fn failsafe(cx: failsafe::Context) {
-        let mut autopilot = Guarded(cx.shared.autopilot);
+        let mut autopilot = Piloted(cx.shared.autopilot);
         let (mut motors, mut bus) = (Guarded(cx.shared.motors), Guarded(cx.shared.imu_bus));
         loop {
             cx.local.watchdog.feed();
@@ -214,7 +232,7 @@ mod app {
     /// Owner of the SPI bus: samples first, then orders; after a failure it waits to be raised.
     #[task(binds = CAN2_RX0, priority = 3, local = [chips], shared = [autopilot, fetches])]
     fn chips(cx: chips::Context) {
-        let mut autopilot = Guarded(cx.shared.autopilot);
+        let mut autopilot = Piloted(cx.shared.autopilot);
         let mut fetches = Guarded(cx.shared.fetches);
         owner::serve(&mut Vectors, &mut fetches, &mut autopilot, cx.local.chips);
     }
@@ -222,14 +240,14 @@ mod app {
     /// The line fell idle: takes what came.
     #[task(binds = USART2, priority = 2, shared = [link, autopilot])]
     fn link_idle(cx: link_idle::Context) {
-        let (mut link, mut autopilot) = (Guarded(cx.shared.link), Guarded(cx.shared.autopilot));
+        let (mut link, mut autopilot) = (Guarded(cx.shared.link), Piloted(cx.shared.autopilot));
         link::receive(&mut Vectors, &mut link, &mut autopilot);
     }
 
     /// Half of the ring is full: takes what came.
     #[task(binds = DMA1_STREAM5, priority = 2, shared = [link, autopilot])]
     fn link_half(cx: link_half::Context) {
-        let (mut link, mut autopilot) = (Guarded(cx.shared.link), Guarded(cx.shared.autopilot));
+        let (mut link, mut autopilot) = (Guarded(cx.shared.link), Piloted(cx.shared.autopilot));
         link::receive(&mut Vectors, &mut link, &mut autopilot);
     }
 

@@ -67,6 +67,7 @@ pub struct Board {
 ///
 /// # Panics
 /// Where it is called twice: the buffers of the DMA controller exist once.
+#[inline(never)] // Its frame is given back before the autopilot is made.
 pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board {
     // A probe keeps its connection, and the log flowing, while the core sleeps.
     device.DBGMCU.cr().modify(|_, w| w.dbg_sleep().set_bit());

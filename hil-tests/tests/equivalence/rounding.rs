@@ -9,6 +9,7 @@ use std::convert::Infallible;
 use std::rc::Rc;
 
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
+use reflex::airframe::Mixer;
 use reflex::app::{Autopilot, ChipAction, ChipSetting, Next};
 use reflex::config::SETTINGS;
 use reflex::control::Setpoint;
@@ -139,6 +140,7 @@ impl Flight {
                     settings,
                     ..CONFIGURED
                 },
+                &Mixer::default(),
                 (),
             ),
             now: 0,

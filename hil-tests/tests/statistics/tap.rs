@@ -1,5 +1,6 @@
 //! Every label that the learners of a flight were given, tapped behind their backs.
 
+use reflex::airframe::Mixer;
 use reflex::app::{Autopilot, Call, Recorder, Stamped};
 use reflex::config::{FORGETTING, REFIT_INTERVAL};
 use reflex::graph::CONFIGURED;
@@ -92,6 +93,7 @@ pub(super) fn tap(
             settings,
             ..CONFIGURED
         },
+        &Mixer::default(),
         tap,
     );
     for stamped in calls {
