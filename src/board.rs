@@ -8,15 +8,16 @@
 //! |---|---|
 //! | `clock` | core clock, monotonic, delays |
 //! | `lines` | external interrupts |
+//! | `guarded` | RTIC's resources as the tasks' |
 //! | `calls`, `settings_block` | symbols that a host reads and writes |
 //! | `watchdog`, `hard_fault` | the last resort |
 
 pub mod calls;
 mod clock;
+pub mod guarded;
 mod hard_fault;
 mod lines;
 mod settings_block;
-pub use settings_block::Given;
 mod watchdog;
 
 #[cfg(board = "reflex_f427")]
@@ -26,6 +27,7 @@ pub use reflex_f427::{Chips, Engine, Line, Link, Motors, imu, start};
 
 pub use clock::{Mono, now};
 pub use lines::acknowledge;
+pub use settings_block::Given;
 
 use core::sync::atomic::{AtomicBool, Ordering};
 

@@ -47,7 +47,7 @@ mod app {
     use reflex::app::{Autopilot, CallRing};
     use reflex::sensors::Input;
     use reflex::tasks::chips::{self as owner, Fetches};
-    use reflex::tasks::{Board, Lock, Task, control, imu, link};
+    use reflex::tasks::{Board, Task, control, imu, link};
     use reflex::time::Instant;
     use rtic_time::Monotonic;
     use stm32f4xx_hal::pac::Interrupt;
@@ -85,28 +85,6 @@ mod app {
 
         fn raise_hyperperiod_at(&mut self, at: Instant) {
             let _ = late_hyperperiod::spawn(at);
-        }
-    }
-
-    /// A resource that RTIC guards.
-    struct Guarded<M>(M);
-
-    impl<M: rtic::Mutex> Lock for Guarded<M> {
-        type Target = M::T;
-
-        fn lock<T>(&mut self, step: impl FnOnce(&mut M::T) -> T) -> T {
-            self.0.lock(step)
-        }
-    }
-
-    /// The autopilot, which RTIC guards as well; [`pilot`] makes it.
-    struct Piloted<M>(M);
-
-    impl<M: rtic::Mutex<T = &'static mut Pilot>> Lock for Piloted<M> {
-        type Target = Pilot;
-
-        fn lock<T>(&mut self, step: impl FnOnce(&mut Pilot) -> T) -> T {
-            self.0.lock(|pilot| step(pilot))
         }
     }
 
