@@ -53,6 +53,7 @@ mod app {
     use stm32f4xx_hal::pac::Interrupt;
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
+    use crate::board::guarded::{Guarded, Piloted};
     use crate::board::{self, Chips, Engine, Given, Line, Link, Mono, Motors, calls, now};
 
     const HYPERPERIOD: Interrupt = Interrupt::CAN2_TX;
