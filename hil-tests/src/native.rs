@@ -25,3 +25,5 @@ mod wires;
 
 pub(crate) use board::NativeBoard;
 pub(crate) use timing::{RUN_NS, clock, nanos};
+#[cfg(test)]
+pub(crate) use wires::DieWire;

@@ -39,3 +39,29 @@ pub trait SpiChip: Send {
     /// Chip select becomes inactive.
     fn deselect(&mut self, now_ns: u64);
 }
+
+impl<C: SpiChip + ?Sized> SpiChip for Box<C> {
+    fn advance(&mut self, now_ns: u64) {
+        (**self).advance(now_ns);
+    }
+
+    fn next_event(&self) -> u64 {
+        (**self).next_event()
+    }
+
+    fn interrupt(&self) -> bool {
+        (**self).interrupt()
+    }
+
+    fn select(&mut self, now_ns: u64) {
+        (**self).select(now_ns);
+    }
+
+    fn transfer(&mut self, now_ns: u64, mosi: u8) -> u8 {
+        (**self).transfer(now_ns, mosi)
+    }
+
+    fn deselect(&mut self, now_ns: u64) {
+        (**self).deselect(now_ns);
+    }
+}

@@ -32,5 +32,5 @@ pub use bus::{I2cChip, SpiChip};
 pub use lsm303agr::Lsm303agr;
 pub use mpu6050::Mpu6050;
 pub use options::{ChipOptions, Present};
-pub use shared::SharedChips;
+pub use shared::{Die, OfDies, OwnClock, SharedChips};
 pub use stimulus::{Stimulus, StimulusSource};

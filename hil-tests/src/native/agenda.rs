@@ -9,10 +9,8 @@
 pub(super) enum Event {
     /// The MPU6050's interrupt pin may change.
     ImuLine,
-    /// INT_1_XL of the LSM303AGR may change.
-    AccelLine,
-    /// INT_MAG of the LSM303AGR may change.
-    MagLine,
+    /// The interrupt pin of a die with a clock of its own may change.
+    DieLine,
     /// A burst of the MPU6050 has been received.
     Burst,
     /// The MPU6050 was configured anew.
@@ -23,7 +21,7 @@ pub(super) enum Event {
     LateHyperperiod,
     /// The failsafe timer.
     Timer,
-    /// The owner of the LSM303AGR goes on.
+    /// The owner of those dies goes on.
     Chips,
     /// A frame of the link has been received.
     Frame,
@@ -32,10 +30,9 @@ pub(super) enum Event {
 }
 
 impl Event {
-    const ALL: [Self; 11] = [
+    const ALL: [Self; 10] = [
         Self::ImuLine,
-        Self::AccelLine,
-        Self::MagLine,
+        Self::DieLine,
         Self::Burst,
         Self::Repaired,
         Self::Hyperperiod,

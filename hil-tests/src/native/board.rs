@@ -26,12 +26,11 @@ use super::timing::{
     ARRIVAL_NS, BOOT_NS, CHIPS_START_NS, IMU_START_NS, IMU_WAKE_NS, SHORTEST_BURST_NS, clock,
 };
 use super::vectors::{Outputs, Vectors};
-use super::wires::{BusTime, I2cBus, Spi, Wire};
+use super::wires::{BusTime, DieWire, I2cBus, Spi, Wire};
 use crate::ground_station::LinkFrame;
 use crate::logics::{AnyLogic, Start};
 use crate::record::{ChipState, OfChips};
-use chip_models::lsm303agr::{Accelerometer, Magnetometer};
-use chip_models::{ChipOptions, Mpu6050, StimulusSource};
+use chip_models::{ChipOptions, Die, Mpu6050, StimulusSource};
 
 /// What the crate `mpu6050` writes first: awake, on the gyro's clock.
 const IMU_WAKE: [u8; 2] = [mpu6050::register::PWR_MGMT_1, 0x01];
@@ -70,10 +69,9 @@ pub(crate) struct NativeBoard {
     pub(super) burst: Option<Burst>,
     pub(super) guard: Guard<Sensor>,
 
-    pub(crate) accel: Wire<Accelerometer>,
-    pub(crate) mag: Wire<Magnetometer>,
+    pub(crate) dies: OfChips<DieWire>,
     pub(super) spi_time: BusTime,
-    pub(super) chips: Lsm303agr<Spi<Accelerometer>, Spi<Magnetometer>>,
+    pub(super) chips: Lsm303agr<Spi, Spi>,
     pub(super) fetches: Fetches,
     /// What the chips' owner did on the bus, to be reported when the bus is done.
     pub(super) done: Option<Done>,
@@ -94,20 +92,13 @@ impl NativeBoard {
         frames: Vec<LinkFrame>,
     ) -> Self {
         let imu = Wire::new(Mpu6050::new(Arc::clone(source), options));
-        let accel = Wire::new(Accelerometer::new(Arc::clone(source), options));
-        let mag = Wire::new(Magnetometer::new(Arc::clone(source), options));
+        let dies = Die::ALL.map(|die| Wire::new(die.model(source, options)));
         let spi_time = BusTime::default();
-        let chips = Lsm303agr::new(
-            Spi {
-                wire: accel.clone(),
-                time: spi_time.clone(),
-            },
-            Spi {
-                wire: mag.clone(),
-                time: spi_time.clone(),
-            },
-            &start.settings,
-        );
+        let [accel, mag] = dies.each_ref().map(|wire| Spi {
+            wire: wire.clone(),
+            time: spi_time.clone(),
+        });
+        let chips = Lsm303agr::new(accel, mag, &start.settings);
         let imu_bus = I2cBus {
             wire: imu.clone(),
             time: BusTime::default(),
@@ -122,8 +113,7 @@ impl NativeBoard {
             imu_bus,
             burst: None,
             guard: Guard::new(clock(BOOT_NS)),
-            accel,
-            mag,
+            dies,
             spi_time,
             chips,
             fetches: Fetches::default(),
@@ -159,8 +149,7 @@ impl NativeBoard {
             self.vectors.now = clock(self.now_ns);
             match event {
                 Event::ImuLine => self.on_imu_line(),
-                Event::AccelLine => self.on_accel_line(),
-                Event::MagLine => self.on_mag_line(),
+                Event::DieLine => self.on_die_line(),
                 Event::Burst => self.on_burst(),
                 Event::Repaired => self.on_repaired(),
                 Event::Hyperperiod | Event::LateHyperperiod => self.on_hyperperiod(),
@@ -213,20 +202,12 @@ impl NativeBoard {
 
     /// What is seen of the chips with clocks of their own now.
     pub(crate) fn look_at_chips(&self) -> OfChips<ChipState> {
-        [
-            self.accel.with(|wired| ChipState {
-                samples: wired.chip.samples(),
-                threshold: wired.chip.pin_threshold(),
-            }),
-            self.mag.with(|wired| ChipState {
-                samples: wired.chip.samples(),
-                threshold: wired.chip.pin_threshold(),
-            }),
-        ]
+        let look = |wire: &DieWire| wire.with(|wired| ChipState::from(wired.chip.as_ref()));
+        self.dies.each_ref().map(look)
     }
 
     pub(super) fn watch_chips(&mut self) {
-        self.agenda.set(Event::AccelLine, self.accel.next_ns());
-        self.agenda.set(Event::MagLine, self.mag.next_ns());
+        let next_ns = self.dies.iter().map(Wire::next_ns).fold(u64::MAX, u64::min);
+        self.agenda.set(Event::DieLine, next_ns);
     }
 }

@@ -112,18 +112,12 @@ impl NativeBoard {
         self.dispatch(0);
     }
 
-    /// Stamps an interrupt of the accelerometer and asks for its sample.
-    pub(super) fn on_accel_line(&mut self) {
-        if let Some(at_ns) = self.accel.hear(self.now_ns) {
-            self.ask_for_sample(Input::ChipAccel, at_ns);
-        }
-        self.watch_chips();
-    }
-
-    /// As the accelerometer's.
-    pub(super) fn on_mag_line(&mut self) {
-        if let Some(at_ns) = self.mag.hear(self.now_ns) {
-            self.ask_for_sample(Input::ChipMag, at_ns);
+    /// Stamps an interrupt of a die with a clock of its own and asks for its sample.
+    pub(super) fn on_die_line(&mut self) {
+        for (place, input) in Input::OF_CHIPS.into_iter().enumerate() {
+            if let Some(at_ns) = self.dies[place].hear(self.now_ns) {
+                self.ask_for_sample(input, at_ns);
+            }
         }
         self.watch_chips();
     }

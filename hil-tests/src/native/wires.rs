@@ -11,8 +11,7 @@ use std::rc::Rc;
 use embedded_hal::i2c::{self, ErrorKind, I2c, NoAcknowledgeSource};
 use embedded_hal::spi::{self, SpiDevice};
 
-use chip_models::lsm303agr::{Accelerometer, Magnetometer};
-use chip_models::{I2cChip, Mpu6050, SpiChip};
+use chip_models::{I2cChip, Mpu6050, OwnClock, SpiChip};
 
 /// A byte on SPI at 5.25 MHz, with the instructions around it, ns.
 const SPI_BYTE_NS: u64 = 1_600;
@@ -51,8 +50,7 @@ macro_rules! model {
 
 model! {
     Mpu6050: I2cChip,
-    Accelerometer: SpiChip,
-    Magnetometer: SpiChip,
+    Box<dyn OwnClock>: SpiChip,
 }
 
 /// A chip and its interrupt line.
@@ -135,25 +133,32 @@ impl BusTime {
     }
 }
 
-/// A chip behind its chip select.
-pub(super) struct Spi<C> {
-    pub(super) wire: Wire<C>,
+/// A die with a clock of its own, on its wires.
+pub(crate) type DieWire = Wire<Box<dyn OwnClock>>;
+
+/// A die behind its chip select.
+pub(super) struct Spi {
+    pub(super) wire: DieWire,
     pub(super) time: BusTime,
 }
 
-impl<C> spi::ErrorType for Spi<C> {
+impl spi::ErrorType for Spi {
     type Error = Infallible;
 }
 
-impl<C: Model + SpiChip> Spi<C> {
-    fn byte(&self, wired: &mut Wired<C>, mosi: u8) -> u8 {
+impl Spi {
+    fn byte(&self, wired: &mut Wired<Box<dyn OwnClock>>, mosi: u8) -> u8 {
         let now_ns = self.time.pass(SPI_BYTE_NS);
         let miso = wired.chip.transfer(now_ns, mosi);
         wired.look(now_ns);
         miso
     }
 
-    fn operate(&self, wired: &mut Wired<C>, operation: &mut spi::Operation<'_, u8>) {
+    fn operate(
+        &self,
+        wired: &mut Wired<Box<dyn OwnClock>>,
+        operation: &mut spi::Operation<'_, u8>,
+    ) {
         match operation {
             spi::Operation::Read(bytes) => {
                 for byte in bytes.iter_mut() {
@@ -185,7 +190,7 @@ impl<C: Model + SpiChip> Spi<C> {
     }
 }
 
-impl<C: Model + SpiChip> SpiDevice for Spi<C> {
+impl SpiDevice for Spi {
     fn transaction(&mut self, operations: &mut [spi::Operation<'_, u8>]) -> Result<(), Infallible> {
         self.wire.with(|wired| {
             wired.chip.select(self.time.pass(SPI_SELECT_NS));

@@ -1,5 +1,6 @@
 //! What is seen of the sensor chips, look by look, while a board runs.
 
+use chip_models::OwnClock;
 use reflex::sensors::Input;
 
 /// A value for each chip with a clock of its own, in the order of [`Input::OF_CHIPS`].
@@ -12,6 +13,15 @@ pub(crate) struct ChipState {
     pub(crate) samples: u64,
     /// The threshold code that its pin follows; `None` where it interrupts at every sample.
     pub(crate) threshold: Option<u32>,
+}
+
+impl From<&dyn OwnClock> for ChipState {
+    fn from(chip: &dyn OwnClock) -> Self {
+        Self {
+            samples: chip.samples(),
+            threshold: chip.pin_threshold(),
+        }
+    }
 }
 
 /// What was seen of the chips at an instant.
@@ -41,6 +51,12 @@ pub(crate) fn samples_since(looks: &[Look], from_ns: u64, chip: usize) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chip_models::Die;
+
+    #[test]
+    fn the_dies_stand_in_the_order_of_the_inputs_that_they_deliver() {
+        assert_eq!(Die::ALL.map(Die::name), Input::OF_CHIPS.map(Input::name));
+    }
 
     #[test]
     fn samples_are_counted_from_between_two_looks() {

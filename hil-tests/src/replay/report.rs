@@ -10,11 +10,13 @@ use reflex::reactive::{Fit, Phase};
 use reflex::sensors::{Cause, Input, Unit};
 
 use super::options::ReplayOptions;
+use super::setup::chip_options;
 use super::timeline::Timeline;
 use crate::record::{Look, samples_since};
 use crate::scoring::{
     Gap, ModelState, Options, RunReport, Sensor, SetpointSource, Tier, latencies,
 };
+use chip_models::Die;
 use emulated_board::Line;
 use recorded_flights::{Flight, Setpoints};
 
@@ -91,13 +93,11 @@ impl Evidence<'_, '_> {
         let chips = &self.chips;
         let since =
             |edges: &[u64]| (edges.len() - edges.partition_point(|at| *at <= chips.from_ns)) as u64;
-        let (line, present) = match input {
-            Input::Gyro | Input::Accel | Input::Turned | Input::Command => (Line::ImuReady, true),
-            Input::ChipAccel => (Line::AccelThreshold, true),
-            Input::ChipMag => (Line::MagEvent, self.flight.mag.is_some()),
-        };
-        let interrupts = since(chips.edges[line.pin() as usize]);
         let chip = Input::OF_CHIPS.into_iter().position(|chip| chip == input);
+        let line = chip.map_or(Line::ImuReady, |chip| Line::OF_DIES[chip]);
+        let specimens = chip_options(self.flight, self.options);
+        let present = chip.is_none_or(|chip| Die::ALL[chip].is_present(specimens.present));
+        let interrupts = since(chips.edges[line.pin() as usize]);
         // Every sample of the inertial sensor pulses its line.
         let samples = chip.map_or(interrupts, |chip| {
             samples_since(chips.looks, chips.from_ns, chip)

@@ -3,6 +3,8 @@
 //! What `src/board/reflex_f427` tells the firmware is said here once more, by the schematic: the
 //! emulator finds a firmware that uses another pin.
 
+use chip_models::{Die, OfDies};
+
 use crate::motors::MOTORS;
 
 /// Crystal on the oscillator pins, in Hz.
@@ -24,8 +26,7 @@ pub(super) const CHIPS_SPI: usize = 0;
 pub(super) const LINK_USART: usize = 1;
 
 /// Chip selects of accelerometer and magnetometer, by port and pin.
-pub(super) const ACCEL_SELECT: (&str, u8) = ("GPIOA", 4);
-pub(super) const MAG_SELECT: (&str, u8) = ("GPIOC", 4);
+pub(super) const SELECTS: OfDies<(&str, u8)> = [("GPIOA", 4), ("GPIOC", 4)];
 
 /// An interrupt line from a sensor to the processor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -40,7 +41,11 @@ pub enum Line {
 
 impl Line {
     /// Every line, in the order of its pin.
-    pub const ALL: [Self; 3] = [Self::ImuReady, Self::AccelThreshold, Self::MagEvent];
+    pub const ALL: [Self; 1 + Die::ALL.len()] =
+        [Self::ImuReady, Self::AccelThreshold, Self::MagEvent];
+
+    /// The line of each die with a clock of its own.
+    pub const OF_DIES: OfDies<Self> = [Self::AccelThreshold, Self::MagEvent];
 
     /// The pin of `LINE_PORT` that the line is wired to, and with it its EXTI line.
     pub const fn pin(self) -> u8 {

@@ -14,26 +14,23 @@ use rigless::soc::stm32f427::Stm32f427;
 use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::soc::stm32f427::peripherals::spi::Select;
 
-use super::reflex_f427::{ACCEL_SELECT, CHIPS_SPI, IMU_I2C, Line, MAG_SELECT};
-use chip_models::{I2cChip, SharedChips, SpiChip};
+use super::reflex_f427::{CHIPS_SPI, IMU_I2C, Line, SELECTS};
+use chip_models::{I2cChip, OfDies, SharedChips, SpiChip};
 
 /// The chips of the board, each shared with its owner.
 #[derive(Clone)]
 pub struct Sensors {
-    /// MPU6050 on I2C1, its INT on PC0.
+    /// The inertial sensor, on I2C.
     pub imu: Arc<Mutex<dyn I2cChip>>,
-    /// Accelerometer die of the LSM303AGR on SPI1, select PA4, INT_1_XL on PC1.
-    pub accel: Arc<Mutex<dyn SpiChip>>,
-    /// Magnetometer die of the LSM303AGR on SPI1, select PC4, INT_MAG on PC2.
-    pub mag: Arc<Mutex<dyn SpiChip>>,
+    /// The dies with a clock of their own, on one SPI bus.
+    pub dies: OfDies<Arc<Mutex<dyn SpiChip>>>,
 }
 
 impl From<&SharedChips> for Sensors {
     fn from(chips: &SharedChips) -> Self {
         Self {
             imu: chips.imu.clone(),
-            accel: chips.accel.clone(),
-            mag: chips.mag.clone(),
+            dies: (chips.dies.each_ref()).map(|die| -> Arc<Mutex<dyn SpiChip>> { die.clone() }),
         }
     }
 }
@@ -54,26 +51,31 @@ impl Sensors {
         };
         soc.i2c[IMU_I2C].attach(ImuPeer(Arc::clone(&self.imu)));
         let spi = &mut soc.spi[CHIPS_SPI];
-        spi.attach_selected(SpiPeer(Arc::clone(&self.accel)), select(ACCEL_SELECT));
-        spi.attach_selected(SpiPeer(Arc::clone(&self.mag)), select(MAG_SELECT));
+        for (die, wired) in self.dies.iter().zip(SELECTS) {
+            spi.attach_selected(SpiPeer(Arc::clone(die)), select(wired));
+        }
     }
 
     /// Produces every sample due until `now_ns`.
     pub(super) fn advance(&self, now_ns: u64) {
         lock(&self.imu).advance(now_ns);
-        lock(&self.accel).advance(now_ns);
-        lock(&self.mag).advance(now_ns);
+        for die in &self.dies {
+            lock(die).advance(now_ns);
+        }
     }
 
     /// Level of every interrupt line, and when one of them may change next.
     pub(super) fn lines(&self) -> ([bool; Line::ALL.len()], u64) {
-        let (imu, accel, mag) = (lock(&self.imu), lock(&self.accel), lock(&self.mag));
-        let levels = [imu.interrupt(), accel.interrupt(), mag.interrupt()];
-        let next = imu
-            .next_event()
-            .min(accel.next_event())
-            .min(mag.next_event());
-        (levels, next)
+        let imu = lock(&self.imu);
+        let mut levels = [false; Line::ALL.len()];
+        levels[Line::ImuReady as usize] = imu.interrupt();
+        let mut next_ns = imu.next_event();
+        for (die, line) in self.dies.iter().zip(Line::OF_DIES) {
+            let die = lock(die);
+            levels[line as usize] = die.interrupt();
+            next_ns = next_ns.min(die.next_event());
+        }
+        (levels, next_ns)
     }
 }
 

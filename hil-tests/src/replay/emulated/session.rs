@@ -109,17 +109,10 @@ impl Session {
 }
 
 fn look_at(chips: &SharedChips) -> OfChips<ChipState> {
-    let (accel, mag) = (held(&chips.accel), held(&chips.mag));
-    [
-        ChipState {
-            samples: accel.samples(),
-            threshold: accel.pin_threshold(),
-        },
-        ChipState {
-            samples: mag.samples(),
-            threshold: mag.pin_threshold(),
-        },
-    ]
+    chips
+        .dies
+        .each_ref()
+        .map(|die| ChipState::from(held(die).as_ref()))
 }
 
 /// A chip that panicked is reported by that panic, not by its lock.

@@ -11,6 +11,7 @@ use crate::replay::options::ReplayOptions;
 use crate::replay::report::{ChipEvidence, Evidence, scored_from_us};
 use crate::replay::timeline::Timeline;
 use crate::scoring::{MotorDigest, RunReport, Tier};
+use emulated_board::Line;
 use recorded_flights::{Flight, Setpoints};
 
 /// The report of a board that flew to its end.
@@ -28,11 +29,11 @@ pub(super) fn report(
             _ => None,
         })
         .collect();
-    let edges = [
-        board.imu.with(|wired| wired.rises.clone()),
-        board.accel.with(|wired| wired.rises.clone()),
-        board.mag.with(|wired| wired.rises.clone()),
-    ];
+    let mut edges = [const { Vec::new() }; Line::ALL.len()];
+    edges[Line::ImuReady.pin() as usize] = board.imu.with(|wired| wired.rises.clone());
+    for (line, wire) in Line::OF_DIES.into_iter().zip(&board.dies) {
+        edges[line.pin() as usize] = wire.with(|wired| wired.rises.clone());
+    }
     let evidence = Evidence {
         options,
         flight,

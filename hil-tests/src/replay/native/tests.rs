@@ -8,7 +8,9 @@ use reflex::settings::{Policy, Settings};
 use reflex::time::micros;
 
 use super::*;
+use crate::native::DieWire;
 use crate::scoring::Tier;
+use chip_models::Die;
 use recorded_flights::recordings::recording;
 use recorded_flights::{Rotate, Rotation};
 
@@ -146,14 +148,18 @@ fn in_flight(flight: &Flight, seconds: u64, settings: Settings) -> NativeBoard {
     board
 }
 
+fn accel(board: &NativeBoard) -> &DieWire {
+    &board.dies[Die::Accel as usize]
+}
+
 /// The accelerometer's supply dips now: its registers are lost, it samples no more, and its pin
 /// stays low, which is also what a steady sensor behind a threshold looks like.
 fn check_that_a_dip_is_noticed(board: &mut NativeBoard) {
     let dip_ns = board.now_ns;
     let dip_us = clock(dip_ns).ticks();
     board.take_calls();
-    board.accel.with(|wired| wired.chip.brown_out(dip_ns));
-    assert_eq!(board.accel.with(|wired| wired.chip.rate_hz()), None);
+    accel(board).with(|wired| wired.chip.brown_out(dip_ns));
+    assert_eq!(accel(board).with(|wired| wired.chip.rate_hz()), None);
     board.run_until(dip_ns + 3_000_000_000);
 
     let calls = board.take_calls();
@@ -173,7 +179,7 @@ fn check_that_a_dip_is_noticed(board: &mut NativeBoard) {
     let two_failsafe_periods_ms = reflex::config::SETTINGS.failsafe.ticks() as f64 * 2e-3;
     assert!(noticed.is_some_and(|after| after < two_failsafe_periods_ms));
     assert!(again.is_some_and(|after| after < two_failsafe_periods_ms));
-    let rate = board.accel.with(|wired| wired.chip.rate_hz());
+    let rate = accel(board).with(|wired| wired.chip.rate_hz());
     assert_eq!(rate, Some(f64::from(reflex::config::CHIP_ACCEL_RATE)));
 }
 
@@ -197,7 +203,7 @@ fn a_supply_dip_of_an_accelerometer_that_compares_is_noticed() {
         ..reflex::config::SETTINGS
     };
     let mut board = in_flight(&flight, 10, settings);
-    let compares = |board: &NativeBoard| board.accel.with(|wired| wired.chip.pin_threshold());
+    let compares = |board: &NativeBoard| accel(board).with(|wired| wired.chip.pin_threshold());
     while compares(&board).is_none() {
         assert!(
             board.now_ns < 60_000_000_000,
