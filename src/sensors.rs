@@ -6,40 +6,11 @@ use crate::math::Vec3;
 use crate::time::Instant;
 use crate::units::{BodyRates, SpecificForce};
 
+pub use reflex_drivers::orders::Cause;
 pub use reflex_settings::{Input, Inputs, Source, Unit};
 
 /// Standard gravity in m/s2.
 pub const GRAVITY: f32 = 9.806_65;
-
-/// Why a sample of a chip that compares was fetched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
-#[repr(u8)]
-pub enum Cause {
-    /// Its data-ready interrupt: every sample arrives.
-    DataReady = 0,
-    /// Its threshold interrupt: the chip compared, the change was past the threshold.
-    Threshold = 1,
-    /// A heartbeat read at the failsafe rate, independent of its interrupts.
-    Heartbeat = 2,
-    /// The chip's reference was set to this very sample.
-    Rearm = 3,
-}
-
-impl Cause {
-    /// The cause of a number, `None` past the last.
-    #[must_use]
-    pub fn from_number(number: u8) -> Option<Self> {
-        [
-            Self::DataReady,
-            Self::Threshold,
-            Self::Heartbeat,
-            Self::Rearm,
-        ]
-        .get(usize::from(number))
-        .copied()
-    }
-}
 
 /// A sample of a chip with a clock of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,6 +11,7 @@
 //! |---|---|
 //! | [`lsm303agr`] | threshold interrupts, re-arming, offsets and read-back of both halves |
 //! | [`mpu6050`] | whole configuration with read-back, motion detector, 15-byte burst |
+//! | [`orders`] | orders to chips that compare, and their answers |
 //! | [`bus_recovery`] | a hung I2C bus: up to nine clocks, each ended by STOP |
 //! | [`legacy_hal`] | lends an embedded-hal 1.0 bus to a crate that speaks 0.2 |
 #![no_std]
@@ -30,6 +31,7 @@ pub mod error;
 pub mod legacy_hal;
 pub mod lsm303agr;
 pub mod mpu6050;
+pub mod orders;
 pub mod quantity;
 mod registers;
 pub mod threshold;

@@ -1,5 +1,7 @@
 //! The small types of the door: faults, and orders to the chips.
 
+pub use reflex_drivers::orders::{ChipAction, ChipSetting, OrderError};
+
 use crate::numbered::numbered;
 use crate::sensors::Input;
 
@@ -73,74 +75,4 @@ pub struct ChipOrder {
     pub input: Input,
     /// What it shall do.
     pub action: ChipAction,
-}
-
-/// What a chip can be ordered to do.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
-pub enum ChipAction {
-    /// Interrupt at every sample.
-    DataReady,
-    /// Interrupt past this change since the reference, in the input's SI unit; read back and
-    /// check. The chip's driver rounds it down; it has a chip that cannot hold so fine a
-    /// threshold interrupt at every sample.
-    Threshold(f32),
-    /// Make the present sample the reference, and deliver it.
-    Rearm,
-    /// Deliver a sample and check what is programmed.
-    Heartbeat,
-}
-
-/// What a chip interrupts for: its answer to an order.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
-pub enum ChipSetting {
-    /// Every sample, which also serves every threshold below `finest`.
-    EverySample {
-        /// The finest threshold that the chip holds, in the input's SI unit.
-        finest: f32,
-    },
-    /// A change past `level`, which serves every threshold from `level` to below `next`.
-    PastThreshold {
-        /// The threshold that was programmed, in the input's SI unit.
-        level: f32,
-        /// The next one that the chip holds; infinite behind its largest.
-        next: f32,
-    },
-}
-
-impl ChipSetting {
-    /// True where the chip compares.
-    #[must_use]
-    pub fn compares(self) -> bool {
-        matches!(self, Self::PastThreshold { .. })
-    }
-
-    /// True where this setting is also the one for another threshold.
-    #[must_use]
-    pub fn serves(self, threshold: f32) -> bool {
-        match self {
-            Self::EverySample { finest } => threshold < finest,
-            Self::PastThreshold { level, next } => (level..next).contains(&threshold),
-        }
-    }
-}
-
-/// Why an order failed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
-pub enum OrderError {
-    /// The bus reported an error.
-    Bus,
-    /// A register does not hold what was written.
-    ReadBack {
-        /// Its address.
-        register: u8,
-        /// What was written.
-        wrote: u8,
-        /// What it holds.
-        read: u8,
-    },
-    /// The chip is not the one expected.
-    Identity,
 }

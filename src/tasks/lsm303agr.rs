@@ -1,17 +1,16 @@
 //! The LSM303AGR as accelerometer and magnetometer that compare.
 //!
-//! [`Halves`] of the drivers keeps the chip; this file translates between its words and the
-//! autopilot's.
+//! [`Halves`] of the drivers keeps the chip; this file says which half delivers which input.
 
 use embedded_hal::spi::SpiDevice;
-use reflex_drivers::lsm303agr::halves::{self, Action, Half, Halves, Interrupts, Rates};
+use reflex_drivers::lsm303agr::halves::{Half, Halves, Rates, Reading, Sample};
 use reflex_drivers::quantity::Seconds;
 
 use super::chips::{Chips, Obeyed};
-use crate::app::{ChipAction, ChipOrder, ChipSetting, OrderError};
+use crate::app::{ChipOrder, OrderError};
 use crate::config::{CHIP_ACCEL_RATE, CHIP_MAG_RATE};
 use crate::math::Vec3;
-use crate::sensors::{Cause, ChipSample, Input};
+use crate::sensors::{ChipSample, Input};
 use crate::settings::Settings;
 use crate::time::seconds;
 
@@ -38,7 +37,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Lsm303agr<A, M> {
     /// # Errors
     /// The bus's, a register that does not hold what was written, a chip that is not there.
     pub fn set_up_accel(&mut self) -> Result<(), OrderError> {
-        self.0.set_up_accel().map_err(failure)
+        self.0.set_up_accel()
     }
 
     /// Sets the magnetometer up; one that fails is set up again at its next order.
@@ -46,33 +45,20 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Lsm303agr<A, M> {
     /// # Errors
     /// As [`Self::set_up_accel`].
     pub fn set_up_mag(&mut self) -> Result<(), OrderError> {
-        self.0.set_up_mag().map_err(failure)
+        self.0.set_up_mag()
     }
 }
 
 impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Chips for Lsm303agr<A, M> {
     fn fetch(&mut self, input: Input) -> Result<ChipSample, OrderError> {
-        let sample = self.0.fetch(half(input)?).map_err(failure)?;
-        Ok(translated(sample))
+        self.0.fetch(half(input)?).map(translated)
     }
 
     fn execute(&mut self, order: ChipOrder) -> Result<Obeyed, OrderError> {
-        let action = match order.action {
-            ChipAction::DataReady => Action::DataReady,
-            ChipAction::Threshold(change) => Action::Threshold(change),
-            ChipAction::Rearm => Action::Rearm,
-            ChipAction::Heartbeat => Action::Heartbeat,
-        };
-        let done = self.0.execute(half(order.input)?, action);
-        let done = done.map_err(failure)?;
+        let done = self.0.execute(half(order.input)?, order.action)?;
         Ok(Obeyed {
             sample: done.sample.map(translated),
-            setting: match done.interrupts {
-                Interrupts::EverySample { finest } => ChipSetting::EverySample { finest },
-                Interrupts::PastThreshold { level, next } => {
-                    ChipSetting::PastThreshold { level, next }
-                }
-            },
+            setting: done.setting,
         })
     }
 }
@@ -86,35 +72,14 @@ fn half(input: Input) -> Result<Half, OrderError> {
     }
 }
 
-fn translated(sample: halves::Sample) -> ChipSample {
+fn translated(sample: Sample) -> ChipSample {
     let (input, axes) = match sample.reading {
-        halves::Reading::Accel(force) => (Input::ChipAccel, force.map(|axis| axis.0)),
-        halves::Reading::Mag(field) => (Input::ChipMag, field.map(|axis| axis.0)),
+        Reading::Accel(force) => (Input::ChipAccel, force.map(|axis| axis.0)),
+        Reading::Mag(field) => (Input::ChipMag, field.map(|axis| axis.0)),
     };
     ChipSample {
         input,
         axes: Vec3::from_array(axes),
-        cause: match sample.cause {
-            halves::Cause::DataReady => Cause::DataReady,
-            halves::Cause::Threshold => Cause::Threshold,
-            halves::Cause::Heartbeat => Cause::Heartbeat,
-            halves::Cause::Rearm => Cause::Rearm,
-        },
-    }
-}
-
-fn failure(error: halves::OrderError) -> OrderError {
-    match error {
-        halves::OrderError::Bus => OrderError::Bus,
-        halves::OrderError::Identity => OrderError::Identity,
-        halves::OrderError::ReadBack {
-            register,
-            wrote,
-            read,
-        } => OrderError::ReadBack {
-            register,
-            wrote,
-            read,
-        },
+        cause: sample.cause,
     }
 }

@@ -4,7 +4,7 @@
 //! thresholds, latches, re-arming and every read-back. Both halves sit behind their own chip
 //! select on one bus, which only the owner uses.
 //!
-//! The owner says what each half shall do with an [`Action`], and fetches a [`Sample`] whenever
+//! The owner says what each half shall do with a [`ChipAction`], and fetches a [`Sample`] whenever
 //! its pin rose. What an interrupt leads to is the owner's affair: nothing here knows of control.
 //! Samples and thresholds cross this boundary in SI units.
 //!
@@ -20,10 +20,9 @@ use super::{
     AccelCounts, AccelPin, AccelThreshold, Accelerometer, MagCounts, MagOffset, MagPin,
     MagThreshold, Magnetometer,
 };
-use crate::error::Error;
+use crate::orders::{Cause, ChipAction, ChipSetting, OrderError};
 use crate::quantity::{Gauss, MetersPerSecondSquared, Seconds};
 use comparator::Comparator;
-pub use comparator::Interrupts;
 pub use upkeep::Rates;
 use upkeep::{FULL_SCALE, accel_interrupt, mag_interrupt};
 
@@ -34,53 +33,6 @@ pub enum Half {
     Accel,
     /// Magnetometer.
     Mag,
-}
-
-/// What a half shall do.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Action {
-    /// Interrupt at every sample.
-    DataReady,
-    /// Interrupt past a change of this much since the reference, in m/s2 or in gauss; read back
-    /// and check. It is rounded down; one finer than a code makes the half interrupt at every
-    /// sample.
-    Threshold(f32),
-    /// Make the present sample the reference, and deliver it.
-    Rearm,
-    /// Deliver a sample and check what is programmed.
-    Heartbeat,
-}
-
-/// Why a sample was read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
-    /// Its data-ready interrupt.
-    DataReady,
-    /// Its threshold interrupt.
-    Threshold,
-    /// A heartbeat, independent of its interrupts.
-    Heartbeat,
-    /// The half's reference was set to this very sample.
-    Rearm,
-}
-
-/// Why an order failed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
-pub enum OrderError {
-    /// The bus reported an error.
-    Bus,
-    /// A register does not hold what was written.
-    ReadBack {
-        /// Its address.
-        register: u8,
-        /// What was written.
-        wrote: u8,
-        /// What it holds.
-        read: u8,
-    },
-    /// The chip is not the one expected.
-    Identity,
 }
 
 /// What one half measured along the chip's axes.
@@ -119,7 +71,7 @@ pub struct Done {
     /// The sample that belongs to the order.
     pub sample: Option<Sample>,
     /// What the half interrupts for from now on.
-    pub interrupts: Interrupts,
+    pub setting: ChipSetting,
 }
 
 /// What drives a half's interrupt pin.
@@ -188,7 +140,8 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
     /// Takes the bus handles; nothing is sent until [`Self::set_up_accel`] and
     /// [`Self::set_up_mag`].
     ///
-    /// `longest_hold` is the longest time between two orders to re-arm: see [`Interrupts`].
+    /// `longest_hold` is the longest time between two orders to re-arm: the accelerometer's
+    /// thresholds are lowered where its reference decays in that time.
     pub const fn new(accel: A, mag: M, rates: Rates, longest_hold: Seconds) -> Self {
         Self {
             accel,
@@ -221,9 +174,9 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
 
     fn fetch_accel(&mut self) -> Result<Sample, OrderError> {
         let mut chip = Accelerometer::new(&mut self.accel);
-        let counts = chip.read_sample().map_err(failure)?;
+        let counts = chip.read_sample()?;
         if let Routing::Threshold(_) = self.accel_state.routing {
-            chip.read_source().map_err(failure)?;
+            chip.read_source()?;
         }
         Ok(Sample::accel(counts, self.accel_state.routing.cause()))
     }
@@ -231,9 +184,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
     fn fetch_mag(&mut self) -> Result<Sample, OrderError> {
         let counts = self.read_mag()?;
         if let Routing::Threshold(_) = self.mag_state.routing {
-            Magnetometer::new(&mut self.mag)
-                .read_source()
-                .map_err(failure)?;
+            Magnetometer::new(&mut self.mag).read_source()?;
         }
         Ok(Sample::mag(counts, self.mag_state.routing.cause()))
     }
@@ -241,10 +192,10 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
     /// Reads the magnetometer and adds back the offset that its sample was taken under.
     fn read_mag(&mut self) -> Result<MagCounts, OrderError> {
         let mut chip = Magnetometer::new(&mut self.mag);
-        if self.output_offset != self.offset && chip.status().map_err(failure)?.new_sample() {
+        if self.output_offset != self.offset && chip.status()?.new_sample() {
             self.output_offset = self.offset;
         }
-        let sample = chip.read_sample().map_err(failure)?;
+        let sample = chip.read_sample()?;
         Ok(sample.with_offset_restored(self.output_offset))
     }
 
@@ -254,7 +205,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
     ///
     /// # Errors
     /// The bus's, a register that does not hold what was written, a chip that is not there.
-    pub fn execute(&mut self, half: Half, action: Action) -> Result<Done, OrderError> {
+    pub fn execute(&mut self, half: Half, action: ChipAction) -> Result<Done, OrderError> {
         let result = self
             .revive_lost(half)
             .and_then(|()| self.obey(half, action));
@@ -263,19 +214,19 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
             Half::Mag => self.mag_state.answers = result.is_ok(),
         }
         let sample = result?;
-        let interrupts = self.interrupts(half);
-        Ok(Done { sample, interrupts })
+        let setting = self.setting(half);
+        Ok(Done { sample, setting })
     }
 
-    fn interrupts(&self, half: Half) -> Interrupts {
+    fn setting(&self, half: Half) -> ChipSetting {
         match half {
             Half::Accel => {
                 let code = self.accel_state.routing.code(AccelThreshold::code);
-                self.accel_comparator().interrupts(u16::from(code))
+                self.accel_comparator().setting(u16::from(code))
             }
             Half::Mag => {
                 let code = self.mag_state.routing.code(MagThreshold::code);
-                Comparator::MAG.interrupts(code)
+                Comparator::MAG.setting(code)
             }
         }
     }
@@ -284,31 +235,31 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
         Comparator::accel(self.rates.accel(), self.longest_hold)
     }
 
-    fn obey(&mut self, half: Half, action: Action) -> Result<Option<Sample>, OrderError> {
+    fn obey(&mut self, half: Half, action: ChipAction) -> Result<Option<Sample>, OrderError> {
         match (half, action) {
-            (Half::Accel, Action::DataReady) => self.route_accel(Routing::DataReady)?,
-            (Half::Accel, Action::Threshold(change)) => {
+            (Half::Accel, ChipAction::DataReady) => self.route_accel(Routing::DataReady)?,
+            (Half::Accel, ChipAction::Threshold(change)) => {
                 let code = self.accel_comparator().code(change);
                 let threshold = AccelThreshold::from_code(code as u8);
                 self.route_accel(threshold.map_or(Routing::DataReady, Routing::Threshold))?;
             }
-            (Half::Mag, Action::DataReady) => self.route_mag(Routing::DataReady)?,
-            (Half::Mag, Action::Threshold(change)) => {
+            (Half::Mag, ChipAction::DataReady) => self.route_mag(Routing::DataReady)?,
+            (Half::Mag, ChipAction::Threshold(change)) => {
                 let threshold = MagThreshold::from_code(Comparator::MAG.code(change));
                 self.route_mag(threshold.map_or(Routing::DataReady, Routing::Threshold))?;
             }
-            (Half::Accel, Action::Rearm) => return self.rearm_accel().map(Some),
-            (Half::Mag, Action::Rearm) => return self.rearm_mag().map(Some),
-            (Half::Accel, Action::Heartbeat) => return self.accel_heartbeat().map(Some),
-            (Half::Mag, Action::Heartbeat) => return self.mag_heartbeat().map(Some),
+            (Half::Accel, ChipAction::Rearm) => return self.rearm_accel().map(Some),
+            (Half::Mag, ChipAction::Rearm) => return self.rearm_mag().map(Some),
+            (Half::Accel, ChipAction::Heartbeat) => return self.accel_heartbeat().map(Some),
+            (Half::Mag, ChipAction::Heartbeat) => return self.mag_heartbeat().map(Some),
         }
         Ok(None)
     }
 
     fn rearm_accel(&mut self) -> Result<Sample, OrderError> {
         let mut chip = Accelerometer::new(&mut self.accel);
-        chip.rearm().map_err(failure)?;
-        let counts = chip.read_sample().map_err(failure)?;
+        chip.rearm()?;
+        let counts = chip.read_sample()?;
         Ok(Sample::accel(counts, Cause::Rearm))
     }
 
@@ -316,9 +267,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
     fn rearm_mag(&mut self) -> Result<Sample, OrderError> {
         let counts = self.read_mag()?;
         let offset = MagOffset::at(counts);
-        Magnetometer::new(&mut self.mag)
-            .set_offset(offset)
-            .map_err(failure)?;
+        Magnetometer::new(&mut self.mag).set_offset(offset)?;
         self.offset = offset;
         Ok(Sample::mag(counts, Cause::Rearm))
     }
@@ -327,16 +276,15 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
         let mut chip = Accelerometer::new(&mut self.accel);
         match (routing, self.accel_state.routing) {
             (Routing::Threshold(threshold), Routing::Threshold(_)) => {
-                chip.set_threshold(threshold).map_err(failure)?;
+                chip.set_threshold(threshold)?;
             }
             (Routing::Threshold(threshold), Routing::DataReady) => {
-                chip.configure_interrupt(accel_interrupt(threshold))
-                    .map_err(failure)?;
+                chip.configure_interrupt(accel_interrupt(threshold))?;
             }
             (Routing::DataReady, _) => {
-                chip.set_pin(AccelPin::DataReady).map_err(failure)?;
+                chip.set_pin(AccelPin::DataReady)?;
                 // A sample that waits already holds the pin high: no edge would ever come.
-                chip.read_sample().map_err(failure)?;
+                chip.read_sample()?;
             }
         }
         self.accel_state.routing = routing;
@@ -347,35 +295,17 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
         let mut chip = Magnetometer::new(&mut self.mag);
         match (routing, self.mag_state.routing) {
             (Routing::Threshold(threshold), Routing::Threshold(_)) => {
-                chip.set_threshold(threshold).map_err(failure)?;
+                chip.set_threshold(threshold)?;
             }
             (Routing::Threshold(threshold), Routing::DataReady) => {
-                chip.configure_interrupt(mag_interrupt(threshold))
-                    .map_err(failure)?;
+                chip.configure_interrupt(mag_interrupt(threshold))?;
             }
             (Routing::DataReady, _) => {
-                chip.set_pin(MagPin::DataReady).map_err(failure)?;
-                chip.read_sample().map_err(failure)?;
+                chip.set_pin(MagPin::DataReady)?;
+                chip.read_sample()?;
             }
         }
         self.mag_state.routing = routing;
         Ok(())
-    }
-}
-
-fn failure<E>(error: Error<E>) -> OrderError {
-    match error {
-        Error::Bus(_) => OrderError::Bus,
-        Error::WrongIdentity { .. } => OrderError::Identity,
-        Error::ReadBack {
-            register,
-            wrote,
-            read,
-            ..
-        } => OrderError::ReadBack {
-            register,
-            wrote,
-            read,
-        },
     }
 }

@@ -6,31 +6,12 @@
 
 use super::super::{AccelDataRate, AccelThreshold, MAG_STEP, MagThreshold};
 use super::upkeep::{CORNER, FULL_SCALE};
+use crate::orders::ChipSetting;
 use crate::quantity::Seconds;
 use crate::threshold::round_down;
 
 /// Share of its time constant for which the high-pass filter may forget without a lower code.
 const FORGOTTEN: f32 = 0.2;
-
-/// What a half interrupts for, and which thresholds that serves.
-///
-/// Thresholds are changes since the reference on any axis, in m/s2 or in gauss.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
-pub enum Interrupts {
-    /// It interrupts at every sample. That also serves thresholds that are finer than one code.
-    EverySample {
-        /// The finest threshold that the comparator holds.
-        finest: f32,
-    },
-    /// It compares. The setting serves every threshold that is rounded down to its code.
-    PastThreshold {
-        /// The change past which it interrupts: the smallest threshold of this code.
-        level: f32,
-        /// The smallest threshold of the next code; infinite behind the largest code.
-        next: f32,
-    },
-}
 
 /// Codes of a comparator and the changes that they stand for.
 #[derive(Clone, Copy, Debug)]
@@ -73,12 +54,12 @@ impl Comparator {
     }
 
     /// What a half interrupts for under a code; 0 for every sample.
-    pub(super) fn interrupts(&self, code: u16) -> Interrupts {
+    pub(super) fn setting(&self, code: u16) -> ChipSetting {
         match code {
-            0 => Interrupts::EverySample {
+            0 => ChipSetting::EverySample {
                 finest: self.change(1),
             },
-            code => Interrupts::PastThreshold {
+            code => ChipSetting::PastThreshold {
                 level: self.change(code),
                 next: if code < self.largest {
                     self.change(code + 1)
@@ -111,7 +92,7 @@ mod tests {
     fn a_setting_serves_the_thresholds_that_are_rounded_down_to_its_code_and_no_others() {
         for comparator in comparators() {
             for code in 1..=comparator.largest {
-                let Interrupts::PastThreshold { level, next } = comparator.interrupts(code) else {
+                let ChipSetting::PastThreshold { level, next } = comparator.setting(code) else {
                     panic!("code {code} compares");
                 };
                 assert_eq!(comparator.code(level), code);
@@ -129,7 +110,7 @@ mod tests {
     #[test]
     fn what_is_finer_than_one_code_is_served_by_every_sample() {
         for comparator in comparators() {
-            let Interrupts::EverySample { finest } = comparator.interrupts(0) else {
+            let ChipSetting::EverySample { finest } = comparator.setting(0) else {
                 panic!("code 0 does not compare");
             };
             assert_eq!(comparator.code(finest), 1);

@@ -13,8 +13,9 @@ use super::super::{
     AccelThreshold, Accelerometer, Axes, HighPass, HighPassCorner, HighPassMode, MagCompare,
     MagInterrupt, MagPin, MagThreshold, Magnetometer, ThreeWire, ThresholdDuration,
 };
-use super::{Cause, Half, Halves, OrderError, Routing, Sample, failure};
+use super::{Half, Halves, Routing, Sample};
 use crate::error::Error;
+use crate::orders::{Cause, OrderError};
 
 /// The accelerometer's full scale: the finest, because its threshold has the finest step.
 pub(super) const FULL_SCALE: AccelFullScale = AccelFullScale::G2;
@@ -117,7 +118,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
             self.set_up_accel()?;
         }
         self.accel_state.heard = false;
-        self.check_accel().map_err(failure)?;
+        self.check_accel()?;
         let sample = self.fetch_accel()?;
         Ok(Sample {
             cause: Cause::Heartbeat,
@@ -131,7 +132,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
             self.set_up_mag()?;
         }
         self.mag_state.heard = false;
-        self.check_mag().map_err(failure)?;
+        self.check_mag()?;
         let sample = self.fetch_mag()?;
         Ok(Sample {
             cause: Cause::Heartbeat,
@@ -166,7 +167,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
     pub fn set_up_accel(&mut self) -> Result<(), OrderError> {
         ThreeWire::enable(&mut self.accel).map_err(|_| OrderError::Bus)?;
         let mut chip = Accelerometer::new(&mut self.accel);
-        chip.check_identity().map_err(failure)?;
+        chip.check_identity()?;
         self.set_up()?;
         // The crate's writes took the other half's pin away as well; should it not come back, its
         // own heartbeat notices.
@@ -180,7 +181,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
     /// As [`Self::set_up_accel`].
     pub fn set_up_mag(&mut self) -> Result<(), OrderError> {
         let mut chip = Magnetometer::new(&mut self.mag);
-        chip.check_identity().map_err(failure)?;
+        chip.check_identity()?;
         self.set_up()?;
         let _ = self.restore_accel();
         self.restore_mag()
@@ -217,8 +218,8 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
     /// As [`Self::restore_accel`], with the offset.
     fn restore_mag(&mut self) -> Result<(), OrderError> {
         let mut chip = Magnetometer::new(&mut self.mag);
-        chip.disable_i2c().map_err(failure)?;
-        chip.set_offset(self.offset).map_err(failure)?;
+        chip.disable_i2c()?;
+        chip.set_offset(self.offset)?;
         let wanted = self.mag_state.routing;
         self.mag_state.routing = Routing::DataReady;
         let result = self.route_mag(wanted);

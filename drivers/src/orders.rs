@@ -1,0 +1,125 @@
+//! Orders to a chip that compares its own samples, and its answers.
+//!
+//! They name no chip, so that the drivers of all such chips and the code that gives the orders share
+//! them. Thresholds are in the SI unit of what the chip measures, or in gauss.
+
+use crate::error::Error;
+
+/// What a chip can be ordered to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum ChipAction {
+    /// Interrupt at every sample.
+    DataReady,
+    /// Interrupt past this change since the reference, on any axis; read back and check. The
+    /// driver rounds it down; a chip that cannot hold so fine a threshold interrupts at every
+    /// sample.
+    Threshold(f32),
+    /// Make the present sample the reference, and deliver it.
+    Rearm,
+    /// Deliver a sample and check what is programmed.
+    Heartbeat,
+}
+
+/// What a chip interrupts for: its answer to an order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum ChipSetting {
+    /// Every sample, which also serves every threshold below `finest`.
+    EverySample {
+        /// The finest threshold that the chip holds.
+        finest: f32,
+    },
+    /// A change past `level`, which serves every threshold from `level` to below `next`.
+    PastThreshold {
+        /// The threshold that was programmed.
+        level: f32,
+        /// The next one that the chip holds; infinite behind its largest.
+        next: f32,
+    },
+}
+
+impl ChipSetting {
+    /// True where the chip compares.
+    #[must_use]
+    pub fn compares(self) -> bool {
+        matches!(self, Self::PastThreshold { .. })
+    }
+
+    /// True where this setting is also the one for another threshold.
+    #[must_use]
+    pub fn serves(self, threshold: f32) -> bool {
+        match self {
+            Self::EverySample { finest } => threshold < finest,
+            Self::PastThreshold { level, next } => (level..next).contains(&threshold),
+        }
+    }
+}
+
+/// Why a sample was read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+#[repr(u8)]
+pub enum Cause {
+    /// Its data-ready interrupt: every sample arrives.
+    DataReady = 0,
+    /// Its threshold interrupt: the chip compared, the change was past the threshold.
+    Threshold = 1,
+    /// A heartbeat, independent of its interrupts.
+    Heartbeat = 2,
+    /// The chip's reference was set to this very sample.
+    Rearm = 3,
+}
+
+impl Cause {
+    /// The cause of a number, `None` past the last.
+    #[must_use]
+    pub fn from_number(number: u8) -> Option<Self> {
+        [
+            Self::DataReady,
+            Self::Threshold,
+            Self::Heartbeat,
+            Self::Rearm,
+        ]
+        .get(usize::from(number))
+        .copied()
+    }
+}
+
+/// Why an order failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum OrderError {
+    /// The bus reported an error.
+    Bus,
+    /// A register does not hold what was written.
+    ReadBack {
+        /// Its address.
+        register: u8,
+        /// What was written.
+        wrote: u8,
+        /// What it holds.
+        read: u8,
+    },
+    /// The chip is not the one expected.
+    Identity,
+}
+
+impl<E> From<Error<E>> for OrderError {
+    fn from(error: Error<E>) -> Self {
+        match error {
+            Error::Bus(_) => Self::Bus,
+            Error::WrongIdentity { .. } => Self::Identity,
+            Error::ReadBack {
+                register,
+                wrote,
+                read,
+                ..
+            } => Self::ReadBack {
+                register,
+                wrote,
+                read,
+            },
+        }
+    }
+}
