@@ -163,7 +163,7 @@ impl Stamped {
             }),
             other => return Err(DecodeError::Unknown(other)),
         };
-        Ok((Self { at, call }, from.consumed()))
+        Ok((Self { at, call }, bytes.len() - from.rest()))
     }
 }
 

@@ -1,5 +1,7 @@
 //! Fields of a record to bytes and back.
 
+use reflex_settings::bytes;
+
 use super::{DecodeError, LONGEST_RECORD};
 use crate::airframe::MotorShares;
 use crate::app::{ChipAction, ChipOrder, ChipSetting, OrderError};
@@ -142,27 +144,21 @@ impl<'b> Encoder<'b> {
 }
 
 pub(super) struct Decoder<'b> {
-    bytes: &'b [u8],
-    at: usize,
+    rest: &'b [u8],
 }
 
 impl<'b> Decoder<'b> {
     pub(super) fn new(bytes: &'b [u8]) -> Self {
-        Self { bytes, at: 0 }
+        Self { rest: bytes }
     }
 
-    pub(super) fn consumed(&self) -> usize {
-        self.at
+    /// Bytes that are not read yet.
+    pub(super) fn rest(&self) -> usize {
+        self.rest.len()
     }
 
     pub(super) fn take<const N: usize>(&mut self) -> Result<[u8; N], DecodeError> {
-        let field = self
-            .bytes
-            .get(self.at..self.at + N)
-            .and_then(|bytes| bytes.try_into().ok())
-            .ok_or(DecodeError::Incomplete)?;
-        self.at += N;
-        Ok(field)
+        bytes::take(&mut self.rest).ok_or(DecodeError::Incomplete)
     }
 
     pub(super) fn byte(&mut self) -> Result<u8, DecodeError> {
