@@ -29,7 +29,7 @@ pub struct Start<G> {
     pub gains: G,
 }
 
-/// Why a block is not what a start can be given.
+/// Why a block is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum BlockError {
@@ -84,7 +84,7 @@ impl<G: Gains> Start<G> {
     /// Reads a block.
     ///
     /// # Errors
-    /// Why it is none that a start can be given; nothing of a wrong block is used.
+    /// Why the block is refused; nothing of a refused block is used.
     #[inline(never)]
     pub fn from_bytes(bytes: &[u8], limits: &Limits) -> Result<Self, BlockError> {
         let (mut content, checksum) = bytes

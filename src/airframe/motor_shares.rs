@@ -6,7 +6,7 @@ use core::ops::{Deref, DerefMut};
 
 use crate::settings::{FEWEST_MOTORS, MOST_MOTORS};
 
-/// One share of full scale per motor, in the order of the outputs; a slice to whoever reads it.
+/// One share of full scale per motor, in the order of the outputs. Readers see it as a slice.
 #[derive(Clone, Copy)]
 pub struct MotorShares {
     shares: [f32; MOST_MOTORS],
