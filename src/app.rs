@@ -273,7 +273,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.on_imu_silent();
         }
         for input in self.chips.notice_silence(now).iter() {
-            self.record.fault(Fault::silent(input));
+            self.record.fault(Fault::ChipSilent(input));
             self.on_chip_lost(input);
         }
         let armed = self.safety.is_armed();
@@ -298,7 +298,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     pub fn on_chip(&mut self, at: Instant, sample: &ChipSample) -> Next {
         self.record.call(at, Call::Chip(*sample));
         if self.chips.on_sample(at, sample) {
-            self.record.fault(Fault::stuck(sample.input));
+            self.record.fault(Fault::ChipStuck(sample.input));
             self.on_chip_lost(sample.input);
         }
         if sample.input == Input::ChipMag && self.chips.delivering().contains(Input::ChipMag) {

@@ -116,7 +116,7 @@ impl Stamped {
                 out.byte(sample.cause as u8);
             }
             Call::Message(message) => out.message(message),
-            Call::Fault(fault) => out.byte(*fault as u8),
+            Call::Fault(fault) => out.byte(fault.number()),
             Call::Hyperperiod | Call::Timer => {}
             Call::OrderDone(order, result) => {
                 out.order(order);

@@ -26,14 +26,10 @@ numbered! {
         LateRun,
         /// An order to a chip failed, on the bus or at the read-back.
         ChipBus,
-        /// The accelerometer that compares did not answer for two failsafe periods.
-        AccelSilent,
-        /// The magnetometer that compares did not answer for two failsafe periods.
-        MagSilent,
-        /// The accelerometer that compares repeats one sample, bit by bit.
-        AccelStuck,
-        /// The magnetometer that compares repeats one sample, bit by bit.
-        MagStuck,
+        /// The chip of an input did not answer for two failsafe periods.
+        ChipSilent(Input in Input::OF_CHIPS),
+        /// The chip of an input repeats one sample, bit by bit.
+        ChipStuck(Input in Input::OF_CHIPS),
         /// A setpoint, a goal, a pose or a model with a value that is not finite: not used.
         NotFinite,
         /// The control logic computed a command that is not finite: the applied one stayed.
@@ -47,26 +43,6 @@ numbered! {
     }
 }
 
-impl Fault {
-    /// The sensor behind an input fell silent.
-    pub(super) fn silent(input: Input) -> Self {
-        match input {
-            Input::Gyro | Input::Accel | Input::Turned | Input::Command => Self::ImuSilent,
-            Input::ChipAccel => Self::AccelSilent,
-            Input::ChipMag => Self::MagSilent,
-        }
-    }
-
-    /// The sensor behind an input repeats one sample.
-    pub(super) fn stuck(input: Input) -> Self {
-        match input {
-            Input::Gyro | Input::Accel | Input::Turned | Input::Command => Self::ImuStuck,
-            Input::ChipAccel => Self::AccelStuck,
-            Input::ChipMag => Self::MagStuck,
-        }
-    }
-}
-
 /// An order to a chip that interrupts by itself: what it shall do next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
@@ -75,4 +51,20 @@ pub struct ChipOrder {
     pub input: Input,
     /// What it shall do.
     pub action: ChipAction,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_fault_has_the_number_of_its_place_those_of_chips_one_for_each() {
+        for (place, fault) in Fault::ALL.into_iter().enumerate() {
+            assert_eq!(usize::from(fault.number()), place);
+            assert_eq!(Fault::from_number(fault.number()), Some(fault));
+        }
+        assert_eq!(Fault::from_number(Fault::COUNT as u8), None);
+        let of_chips = Input::OF_CHIPS.map(|input| Fault::ChipStuck(input).number());
+        assert!(of_chips.is_sorted_by(|one, next| one + 1 == *next));
+    }
 }

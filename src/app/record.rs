@@ -54,7 +54,7 @@ impl<R: Recorder> Record<R> {
 
     /// Counts a fault.
     pub(super) fn fault(&mut self, fault: Fault) {
-        if let Some(count) = self.faults.get_mut(fault as usize) {
+        if let Some(count) = self.faults.get_mut(usize::from(fault.number())) {
             *count = count.saturating_add(1);
             let count = *count;
             // The first few of a kind, then at powers of two: a storm must not drown the log.
@@ -76,7 +76,10 @@ impl<R: Recorder> Record<R> {
 
     /// How often a fault was counted.
     pub(super) fn faults(&self, fault: Fault) -> u32 {
-        self.faults.get(fault as usize).copied().unwrap_or(0)
+        self.faults
+            .get(usize::from(fault.number()))
+            .copied()
+            .unwrap_or(0)
     }
 
     /// The events that wait for the log.

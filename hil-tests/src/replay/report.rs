@@ -165,21 +165,13 @@ impl Evidence<'_, '_> {
     }
 
     fn counters(&self) -> BTreeMap<String, u64> {
-        let mut counters: BTreeMap<String, u64> = Fault::ALL
-            .iter()
-            .map(|fault| {
-                (
-                    snake_case(&format!("{fault:?}")),
-                    self.timeline.mirror.autopilot().faults(*fault).into(),
-                )
-            })
+        let autopilot = self.timeline.mirror.autopilot();
+        let mut counters: BTreeMap<String, u64> = (Fault::ALL.into_iter())
+            .map(|fault| (counter_of(fault), autopilot.faults(fault).into()))
             .collect();
-        counters.extend(Outcome::ALL.iter().map(|outcome| {
+        counters.extend(Outcome::ALL.map(|outcome| {
             let name = snake_case(&format!("Runs{outcome:?}"));
-            (
-                name,
-                self.timeline.mirror.autopilot().outcomes(*outcome).into(),
-            )
+            (name, autopilot.outcomes(outcome).into())
         }));
         counters.extend(
             self.timeline
@@ -197,6 +189,15 @@ impl Evidence<'_, '_> {
             ("calls".into(), self.timeline.calls.len() as u64),
         ]);
         counters
+    }
+}
+
+/// The name of a fault's counter; those of chips have the name of the input, as everywhere.
+fn counter_of(fault: Fault) -> String {
+    match fault {
+        Fault::ChipSilent(input) => format!("{}_silent", input.name()),
+        Fault::ChipStuck(input) => format!("{}_stuck", input.name()),
+        fault => snake_case(&format!("{fault:?}")),
     }
 }
 

@@ -215,7 +215,10 @@ fn a_chip_that_repeats_itself_ends_reactive_control_where_its_model_counts() {
         Fit::Model(_)
     ));
     with_chip(&mut bench, 600, |_| [5, 5, -8192]);
-    assert_eq!(bench.autopilot.faults(Fault::AccelStuck), 1);
+    assert_eq!(
+        bench.autopilot.faults(Fault::ChipStuck(Input::ChipAccel)),
+        1
+    );
     assert_eq!(bench.phase(), Phase::Fallback(FallbackReason::SensorLost));
     with_chip(&mut bench, 20_000, |_| [5, 5, -8192]);
     assert_eq!(bench.phase(), Phase::Reactive, "it is flown without");
