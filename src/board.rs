@@ -23,10 +23,9 @@ mod watchdog;
 #[cfg(board = "reflex_f427")]
 mod reflex_f427;
 #[cfg(board = "reflex_f427")]
-pub use reflex_f427::{Chips, Engine, Line, Link, Motors, imu, start};
+pub use reflex_f427::{ChipLine, Chips, Engine, ImuLine, Link, Motors, imu, start};
 
 pub use clock::{Mono, now};
-pub use lines::acknowledge;
 pub use settings_block::Given;
 
 use core::sync::atomic::{AtomicBool, Ordering};

@@ -45,16 +45,18 @@ mod app {
     use panic_probe as _;
     use reflex::airframe::Mixer;
     use reflex::app::{Autopilot, CallRing};
-    use reflex::sensors::Input;
     use reflex::tasks::chips::{self as owner, Fetches};
     use reflex::tasks::{Board, Task, control, imu, link};
     use reflex::time::Instant;
+    use rtic::Mutex;
     use rtic_time::Monotonic;
     use stm32f4xx_hal::pac::Interrupt;
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
     use crate::board::guarded::{Guarded, Piloted};
-    use crate::board::{self, Chips, Engine, Given, Line, Link, Mono, Motors, calls, now};
+    use crate::board::{
+        self, ChipLine, Chips, Engine, Given, ImuLine, Link, Mono, Motors, calls, now,
+    };
 
     const HYPERPERIOD: Interrupt = Interrupt::CAN2_TX;
     const CHIPS: Interrupt = Interrupt::CAN2_RX0;
@@ -100,6 +102,9 @@ mod app {
 
     #[local]
     struct Local {
+        imu_line: ImuLine,
+        accel_line: ChipLine,
+        mag_line: ChipLine,
         chips: Chips,
         watchdog: IndependentWatchdog,
     }
@@ -117,8 +122,15 @@ mod app {
             fetches: Fetches::default(),
             link: board.link,
         };
-        let (chips, watchdog) = (board.chips, board.watchdog);
-        (shared, Local { chips, watchdog })
+        let [accel_line, mag_line] = board.chip_lines;
+        let local = Local {
+            imu_line: board.imu_line,
+            accel_line,
+            mag_line,
+            chips: board.chips,
+            watchdog: board.watchdog,
+        };
+        (shared, local)
     }
 
     /// Makes the autopilot in a frame of its own: the 4 KiB of stack that this takes do not add to
@@ -129,33 +141,28 @@ mod app {
     }
 
     /// Stamps the MPU6050's sample and starts its burst.
-    #[task(binds = EXTI0, priority = 6, shared = [imu_bus])]
+    #[task(binds = EXTI0, priority = 6, local = [imu_line], shared = [imu_bus])]
     fn imu_ready(mut cx: imu_ready::Context) {
-        let at = now();
-        board::acknowledge(Line::Imu);
+        let at = cx.local.imu_line.heard();
         cx.shared.imu_bus.lock(|bus| bus.start_burst(at));
     }
 
-    /// Stamps an interrupt of the LSM303AGR's accelerometer and asks for its sample.
-    #[task(binds = EXTI1, priority = 6, shared = [fetches])]
-    fn accel_threshold(mut cx: accel_threshold::Context) {
-        let at = now();
-        board::acknowledge(Line::Accel);
-        cx.shared
-            .fetches
-            .lock(|fetches| fetches.ask(Input::ChipAccel, at));
-        rtic::pend(CHIPS);
+    /// The LSM303AGR's accelerometer interrupts.
+    #[task(binds = EXTI1, priority = 6, local = [accel_line], shared = [fetches])]
+    fn accel_threshold(cx: accel_threshold::Context) {
+        announced(cx.local.accel_line, cx.shared.fetches);
     }
 
-    /// Stamps an interrupt of the LSM303AGR's magnetometer and asks for its sample.
-    #[task(binds = EXTI2, priority = 6, shared = [fetches])]
-    fn mag_event(mut cx: mag_event::Context) {
-        let at = now();
-        board::acknowledge(Line::Mag);
-        cx.shared
-            .fetches
-            .lock(|fetches| fetches.ask(Input::ChipMag, at));
-        rtic::pend(CHIPS);
+    /// The LSM303AGR's magnetometer interrupts.
+    #[task(binds = EXTI2, priority = 6, local = [mag_line], shared = [fetches])]
+    fn mag_event(cx: mag_event::Context) {
+        announced(cx.local.mag_line, cx.shared.fetches);
+    }
+
+    /// Stamps the interrupt of a sensor with a clock of its own and asks for its sample.
+    fn announced((input, line): &mut ChipLine, fetches: impl Mutex<T = Fetches>) {
+        let at = line.heard();
+        owner::announced(&mut Vectors, &mut Guarded(fetches), *input, at);
     }
 
     /// One step of a burst.

@@ -6,6 +6,8 @@ use crate::math::Vec3;
 use crate::time::Instant;
 use crate::units::{BodyRates, SpecificForce};
 
+use reflex_drivers::orders::Sample;
+
 pub use reflex_drivers::orders::Cause;
 pub use reflex_settings::{Input, Inputs, Source, Unit};
 
@@ -21,6 +23,15 @@ pub struct ChipSample {
     pub axes: Vec3,
     /// Why it was fetched.
     pub cause: Cause,
+}
+
+impl ChipSample {
+    /// An input's sample, as the chip's driver read it.
+    #[must_use]
+    pub fn of(input: Input, Sample { axes, cause }: Sample) -> Self {
+        let axes = Vec3::from_array(axes);
+        Self { input, axes, cause }
+    }
 }
 
 /// What the inertial sensor measured at one instant.

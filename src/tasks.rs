@@ -8,17 +8,17 @@
 //! | [`control`] | the end of a hyperperiod, the failsafe |
 //! | [`imu`] | samples, silence and registers of the inertial sensor |
 //! | [`chips`] | the owner of the chips that interrupt by themselves |
+//! | [`drivers`] | which of their drivers delivers which input |
 //! | [`link`] | bytes in, frames out |
 //!
-//! A module named by a part number gives `imu` or `chips` what they need of that chip. Nothing
-//! here reads a clock, knows a vector or logs: [`Board`] and [`Lock`] are what a task needs of its
+//! A module named by a part number gives `imu` what it needs of that chip. Nothing here reads a clock, knows a vector or logs: [`Board`] and [`Lock`] are what a task needs of its
 //! board, and what a board may log is returned.
 
 pub mod chips;
 pub mod control;
+pub mod drivers;
 pub mod imu;
 pub mod link;
-pub mod lsm303agr;
 pub mod mpu6050;
 
 use crate::reactive::Next;

@@ -1,9 +1,48 @@
 //! Orders to a chip that compares its own samples, and its answers.
 //!
 //! They name no chip, so that the drivers of all such chips and the code that gives the orders share
-//! them. Thresholds are in the SI unit of what the chip measures, or in gauss.
+//! them. Samples and thresholds are in the SI unit of what the chip measures, or in gauss.
 
 use crate::error::Error;
+
+/// A sensor with a clock and an interrupt pin of its own, which compares its samples itself.
+pub trait ComparingSensor {
+    /// Sets the sensor up, should it be there; one that fails is set up again at its next order.
+    ///
+    /// # Errors
+    /// The bus's, a register that does not hold what was written, a chip that is not there.
+    fn set_up(&mut self) -> Result<(), OrderError>;
+
+    /// Reads the sample that an interrupt announced, and lets the pin fall.
+    ///
+    /// # Errors
+    /// The bus's.
+    fn fetch(&mut self) -> Result<Sample, OrderError>;
+
+    /// Carries out an order and checks it.
+    ///
+    /// # Errors
+    /// As [`Self::set_up`].
+    fn execute(&mut self, action: ChipAction) -> Result<Obeyed, OrderError>;
+}
+
+/// What a sensor measured along the chip's axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// What it measured.
+    pub axes: [f32; 3],
+    /// Why it was read.
+    pub cause: Cause,
+}
+
+/// What a sensor did for an order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Obeyed {
+    /// The sample that belongs to the order.
+    pub sample: Option<Sample>,
+    /// What the sensor interrupts for from now on.
+    pub setting: ChipSetting,
+}
 
 /// What a chip can be ordered to do.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,21 +1,28 @@
 //! External interrupt lines: rising edges of pins.
 
+use reflex::time::Instant;
 use stm32f4xx_hal::gpio::{Edge, ExtiPin};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::syscfg::SysCfg;
 
-/// Takes note that an external interrupt was heard, so that the next edge can raise it again.
-///
-/// `line` is the pin's number within its port.
-pub fn acknowledge(line: impl Into<u8>) {
-    let line = line.into();
-    // SAFETY: one store to a register in which ones clear and zeroes do nothing.
-    unsafe { (*pac::EXTI::ptr()).pr().write(|w| w.bits(1 << line)) };
-}
+use super::clock::now;
 
-/// Has a pin's rising edge raise its external interrupt.
-pub fn interrupt_on_rise(mut pin: impl ExtiPin, (routing, exti): &mut (SysCfg, pac::EXTI)) {
-    pin.make_interrupt_source(routing);
-    pin.trigger_on_edge(exti, Edge::Rising);
-    pin.enable_interrupt(exti);
+/// A pin whose rising edges interrupt: owned by the task that is bound to its vector.
+pub struct Line<P>(P);
+
+impl<P: ExtiPin> Line<P> {
+    /// Has a pin's rising edge raise its external interrupt.
+    pub fn on_rise(mut pin: P, (routing, exti): &mut (SysCfg, pac::EXTI)) -> Self {
+        pin.make_interrupt_source(routing);
+        pin.trigger_on_edge(exti, Edge::Rising);
+        pin.enable_interrupt(exti);
+        Self(pin)
+    }
+
+    /// The stamp of an edge that was heard; the next one can raise the interrupt again.
+    pub fn heard(&mut self) -> Instant {
+        let at = now();
+        self.0.clear_interrupt_pending_bit();
+        at
+    }
 }

@@ -13,29 +13,31 @@
 //! | link TX, RX | PD5, PD6 | USART2; DMA1 streams 6, 5 |
 //! | crystal | PH0, PH1 | 8 MHz |
 
+mod chips;
 mod i2c;
 pub mod imu;
 mod link_port;
-mod lsm303agr;
 mod motors;
 mod spi;
 
+pub use chips::Chips;
 pub use i2c::Engine;
-pub use lsm303agr::Chips;
 pub use motors::Motors;
 
 use cortex_m::singleton;
 use embedded_hal_bus::util::AtomicCell;
 use reflex::airframe::Mixer;
+use reflex::sensors::Input;
 use reflex::tasks::link;
 use reflex_drivers::mpu6050::BURST_LENGTH;
 use stm32f4xx_hal::dma::StreamsTuple;
-use stm32f4xx_hal::gpio::{PinState, Pull, gpioc, gpiod};
+use stm32f4xx_hal::gpio::{self, AnyPin, Output, PC0, PinState, Pull, gpioa, gpioc, gpiod};
+use stm32f4xx_hal::syscfg::SysCfg;
 use stm32f4xx_hal::timer::MonoTimerExt;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{pac, prelude::*};
 
-use super::lines::interrupt_on_rise;
+use super::lines::Line;
 use super::settings_block::Given;
 use super::{clock, settings_block, watchdog};
 
@@ -45,11 +47,21 @@ const CRYSTAL_HZ: u32 = 8_000_000;
 /// The link over its port.
 pub type Link = link::Link<link_port::LinkPort>;
 
+/// Data-ready of the MPU6050.
+pub type ImuLine = Line<PC0>;
+
+/// The interrupt of a sensor with a clock of its own, and the input that it announces.
+pub type ChipLine = (Input, Line<AnyPin<gpio::Input>>);
+
 /// The chip's parts, started, each for its task.
 pub struct Board {
+    /// MPU6050 interrupts.
+    pub imu_line: ImuLine,
     /// MPU6050 bursts.
     pub imu_bus: Engine,
-    /// Both halves of the LSM303AGR.
+    /// Interrupts of the chips with clocks of their own, a task for each.
+    pub chip_lines: [ChipLine; Input::OF_CHIPS.len()],
+    /// Those chips.
     pub chips: Chips,
     /// The motors, all at the shortest pulse.
     pub motors: Motors,
@@ -92,9 +104,8 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     let motors = Motors::start(device.TIM3, device.TIM4, protocol, count, rcc);
 
     let mut lines = (device.SYSCFG.constrain(rcc), device.EXTI);
-    interrupt_on_rise(c.pc0.into_pull_down_input(), &mut lines);
-    interrupt_on_rise(c.pc1.into_pull_down_input(), &mut lines);
-    interrupt_on_rise(c.pc2.into_pull_down_input(), &mut lines);
+    let imu_line = Line::on_rise(c.pc0.into_pull_down_input(), &mut lines);
+    let chip_lines = chip_lines((c.pc1, c.pc2), &mut lines);
 
     d.pd5.into_alternate::<7>();
     d.pd6.into_alternate::<7>().internal_resistor(Pull::Up);
@@ -103,13 +114,9 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     let (streams_of_link, buffers) = ((streams.5, streams.6), (ring, block));
     let port = link_port::LinkPort::start(device.USART2, streams_of_link, buffers, rcc);
 
-    let selects = (
-        a.pa4.into_push_pull_output_in_state(PinState::High),
-        c.pc4.into_push_pull_output_in_state(PinState::High),
-    );
     let spi = spi::Spi1::new(device.SPI1, (a.pa5, a.pa6, a.pa7), rcc);
     let spi = singleton!(: AtomicCell<spi::Spi1> = AtomicCell::new(spi)).unwrap();
-    let chips = lsm303agr::start(spi, selects, &start.settings);
+    let chips = chips::start(spi, chip_selects(a.pa4, c.pc4), &start.settings);
 
     let (scl, sda) = (
         b.pb8.into_alternate_open_drain(),
@@ -123,7 +130,9 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     watchdog.feed();
     let link = Link::new(port, start.airframe.count());
     Board {
+        imu_line,
         imu_bus,
+        chip_lines,
         chips,
         motors,
         link,
@@ -133,22 +142,25 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     }
 }
 
-/// The external interrupt lines, numbered as in the controller.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Line {
-    /// Data-ready of the MPU6050, PC0.
-    Imu = 0,
-    /// INT_1_XL of the LSM303AGR, PC1.
-    Accel = 1,
-    /// INT_MAG of the LSM303AGR, PC2.
-    Mag = 2,
+/// The pins on which sensors with clocks of their own interrupt.
+fn chip_lines(
+    (accel, mag): (gpioc::PC1, gpioc::PC2),
+    controller: &mut (SysCfg, pac::EXTI),
+) -> [ChipLine; Input::OF_CHIPS.len()] {
+    let pins = [
+        (Input::ChipAccel, accel.into_pull_down_input().erase()),
+        (Input::ChipMag, mag.into_pull_down_input().erase()),
+    ];
+    pins.map(|(input, pin)| (input, Line::on_rise(pin, controller)))
 }
 
-impl From<Line> for u8 {
-    fn from(line: Line) -> Self {
-        line as Self
-    }
+/// Their chip selects, in the order of the inputs.
+fn chip_selects(accel: gpioa::PA4, mag: gpioc::PC4) -> [AnyPin<Output>; Input::OF_CHIPS.len()] {
+    let high = PinState::High;
+    [
+        accel.into_push_pull_output_in_state(high).erase(),
+        mag.into_push_pull_output_in_state(high).erase(),
+    ]
 }
 
 /// Hands all four pins of each timer that the airframe's motors need to it.

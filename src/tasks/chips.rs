@@ -1,19 +1,12 @@
 //! The owner of the chips that interrupt by themselves: samples first, then orders.
 
+use reflex_drivers::orders::{Obeyed, Sample};
+
 use super::{Board, Lock, Task, follow};
-use crate::app::{Autopilot, ChipOrder, ChipSetting, Fault, OrderError, Recorder};
+use crate::app::{Autopilot, ChipOrder, Fault, OrderError, Recorder};
 use crate::graph::ControlLogic;
 use crate::sensors::{ChipSample, Input};
 use crate::time::Instant;
-
-/// What a chip did for an order.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Obeyed {
-    /// The sample that belongs to the order.
-    pub sample: Option<ChipSample>,
-    /// What the chip interrupts for from now on.
-    pub setting: ChipSetting,
-}
 
 /// The chips of a board that interrupt by themselves.
 pub trait Chips {
@@ -21,7 +14,7 @@ pub trait Chips {
     ///
     /// # Errors
     /// The bus's.
-    fn fetch(&mut self, input: Input) -> Result<ChipSample, OrderError>;
+    fn fetch(&mut self, input: Input) -> Result<Sample, OrderError>;
 
     /// Carries out an order and checks it.
     ///
@@ -42,7 +35,7 @@ pub struct Fetches([Option<Instant>; Input::COUNT]);
 
 impl Fetches {
     /// Asks for the sample of an interrupt, with its stamp.
-    pub fn ask(&mut self, input: Input, at: Instant) {
+    pub(super) fn ask(&mut self, input: Input, at: Instant) {
         if let Some(place) = self.0.get_mut(input as usize) {
             *place = Some(at);
         }
@@ -53,6 +46,17 @@ impl Fetches {
         let mut places = Input::ALL.into_iter().zip(&mut self.0);
         places.find_map(|(input, place)| Some((input, place.take()?)))
     }
+}
+
+/// The task of a sensor's interrupt: asks the owner for the sample.
+pub fn announced(
+    board: &mut impl Board,
+    fetches: &mut impl Lock<Target = Fetches>,
+    input: Input,
+    at: Instant,
+) {
+    fetches.lock(|fetches| fetches.ask(input, at));
+    board.raise(Task::Chips);
 }
 
 /// What the owner does next.
@@ -68,7 +72,7 @@ pub enum Work {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Done {
     /// The sample of an interrupt with this stamp.
-    Fetched(Instant, Result<ChipSample, OrderError>),
+    Fetched(Input, Instant, Result<Sample, OrderError>),
     /// An order, and the chip's answer.
     Ordered(ChipOrder, Result<Obeyed, OrderError>),
 }
@@ -88,7 +92,7 @@ impl Work {
     /// Does it, on the bus.
     pub fn carry_out(self, chips: &mut impl Chips) -> Done {
         match self {
-            Self::Fetch(input, at) => Done::Fetched(at, chips.fetch(input)),
+            Self::Fetch(input, at) => Done::Fetched(input, at, chips.fetch(input)),
             Self::Order(order) => Done::Ordered(order, chips.execute(order)),
         }
     }
@@ -105,11 +109,11 @@ impl Done {
         pilot: &mut impl Lock<Target = Autopilot<R, L>>,
     ) -> Result<(), OrderError> {
         pilot.lock(|pilot| match self {
-            Self::Fetched(at, Ok(sample)) => {
-                follow(board, pilot.on_chip(at, &sample));
+            Self::Fetched(input, at, Ok(sample)) => {
+                follow(board, pilot.on_chip(at, &ChipSample::of(input, sample)));
                 Ok(())
             }
-            Self::Fetched(at, Err(_)) => {
+            Self::Fetched(_, at, Err(_)) => {
                 pilot.on_fault(at, Fault::ChipBus);
                 Ok(())
             }
@@ -120,7 +124,10 @@ impl Done {
                     ..
                 }) = result
                 {
-                    follow(board, pilot.on_chip(at, &sample));
+                    follow(
+                        board,
+                        pilot.on_chip(at, &ChipSample::of(order.input, sample)),
+                    );
                 }
                 pilot.on_order_done(at, order, result.map(|obeyed| obeyed.setting));
                 result.map(|_| ())

@@ -1,6 +1,6 @@
 //! The tasks on a board of the tests' own: what they raise, and what they bring.
 
-use super::chips::{Chips, Done, Fetches, Obeyed, Work, serve};
+use super::chips::{Chips, Done, Fetches, Work, serve};
 use super::control::{LONGEST_SLEEP, Motors, failsafe, hyperperiod};
 use super::imu::{Guard, Report, received};
 use super::link::{Link, Overrun, Port, receive};
@@ -9,12 +9,12 @@ use super::*;
 use crate::app::{Autopilot, ChipOrder, ChipSetting, Fault, OrderError};
 use crate::config::SETTINGS;
 use crate::graph::Cascade;
-use crate::math::Vec3;
 use crate::safety::MotorOutput;
-use crate::sensors::{Cause, ChipSample, Input};
+use crate::sensors::{Cause, Input};
 use crate::settings::Settings;
 use crate::time::{at_micros, micros};
 use reflex_drivers::mpu6050::CHECKS;
+use reflex_drivers::orders::{Obeyed, Sample};
 
 type Pilot = Autopilot<(), Cascade>;
 
@@ -61,14 +61,13 @@ struct Played {
 }
 
 impl Chips for Played {
-    fn fetch(&mut self, input: Input) -> Result<ChipSample, OrderError> {
+    fn fetch(&mut self, input: Input) -> Result<Sample, OrderError> {
         self.work.push(Work::Fetch(input, at_micros(0)));
         if self.fails {
             return Err(OrderError::Bus);
         }
-        Ok(ChipSample {
-            input,
-            axes: Vec3::ZERO,
+        Ok(Sample {
+            axes: [0.0; 3],
             cause: Cause::DataReady,
         })
     }

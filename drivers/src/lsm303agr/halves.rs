@@ -4,9 +4,8 @@
 //! thresholds, latches, re-arming and every read-back. Both halves sit behind their own chip
 //! select on one bus, which only the owner uses.
 //!
-//! The owner says what each half shall do with a [`ChipAction`], and fetches a [`Sample`] whenever
-//! its pin rose. What an interrupt leads to is the owner's affair: nothing here knows of control.
-//! Samples and thresholds cross this boundary in SI units.
+//! To its owner each half is a [`ComparingSensor`]. What an interrupt leads to is the owner's
+//! affair: nothing here knows of control.
 //!
 //! `upkeep` sets the halves up, checks them, and sets up again what was lost; `comparator` rounds
 //! thresholds.
@@ -20,8 +19,8 @@ use super::{
     AccelCounts, AccelPin, AccelThreshold, Accelerometer, MagCounts, MagOffset, MagPin,
     MagThreshold, Magnetometer,
 };
-use crate::orders::{Cause, ChipAction, ChipSetting, OrderError};
-use crate::quantity::{Gauss, MetersPerSecondSquared, Seconds};
+use crate::orders::{Cause, ChipAction, ChipSetting, ComparingSensor, Obeyed, OrderError, Sample};
+use crate::quantity::Seconds;
 use comparator::Comparator;
 pub use upkeep::Rates;
 use upkeep::{FULL_SCALE, accel_interrupt, mag_interrupt};
@@ -35,43 +34,22 @@ pub enum Half {
     Mag,
 }
 
-/// What one half measured along the chip's axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Reading {
-    /// Specific force.
-    Accel([MetersPerSecondSquared; 3]),
-    /// Magnetic field, the OFFSET registers added back.
-    Mag([Gauss; 3]),
+/// One half, and the chip that it belongs to.
+#[derive(Debug)]
+pub struct HalfOf<'c, A, M> {
+    chip: &'c mut Halves<A, M>,
+    half: Half,
 }
 
-/// A reading of one half.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
-    /// What it measured.
-    pub reading: Reading,
-    /// Why it was read.
-    pub cause: Cause,
+fn accel_sample(counts: AccelCounts, cause: Cause) -> Sample {
+    let axes = counts.specific_force(FULL_SCALE).map(|axis| axis.0);
+    Sample { axes, cause }
 }
 
-impl Sample {
-    fn accel(counts: AccelCounts, cause: Cause) -> Self {
-        let reading = Reading::Accel(counts.specific_force(FULL_SCALE));
-        Self { reading, cause }
-    }
-
-    fn mag(counts: MagCounts, cause: Cause) -> Self {
-        let reading = Reading::Mag(counts.field());
-        Self { reading, cause }
-    }
-}
-
-/// What a half did for an order.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Done {
-    /// The sample that belongs to the order.
-    pub sample: Option<Sample>,
-    /// What the half interrupts for from now on.
-    pub setting: ChipSetting,
+/// The OFFSET registers are added back to the counts.
+fn mag_sample(counts: MagCounts, cause: Cause) -> Sample {
+    let axes = counts.field().map(|axis| axis.0);
+    Sample { axes, cause }
 }
 
 /// What drives a half's interrupt pin.
@@ -137,8 +115,7 @@ pub struct Halves<A, M> {
 }
 
 impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
-    /// Takes the bus handles; nothing is sent until [`Self::set_up_accel`] and
-    /// [`Self::set_up_mag`].
+    /// Takes the bus handles; nothing is sent until a half is set up.
     ///
     /// `longest_hold` is the longest time between two orders to re-arm: the accelerometer's
     /// thresholds are lowered where its reference decays in that time.
@@ -155,21 +132,9 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
         }
     }
 
-    /// Reads the sample that an interrupt announced, and lets the pin fall.
-    ///
-    /// # Errors
-    /// The bus's.
-    pub fn fetch(&mut self, half: Half) -> Result<Sample, OrderError> {
-        match half {
-            Half::Accel => {
-                self.accel_state.heard = true;
-                self.fetch_accel()
-            }
-            Half::Mag => {
-                self.mag_state.heard = true;
-                self.fetch_mag()
-            }
-        }
+    /// One half, to be worked with.
+    pub const fn half(&mut self, half: Half) -> HalfOf<'_, A, M> {
+        HalfOf { chip: self, half }
     }
 
     fn fetch_accel(&mut self) -> Result<Sample, OrderError> {
@@ -178,7 +143,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
         if let Routing::Threshold(_) = self.accel_state.routing {
             chip.read_source()?;
         }
-        Ok(Sample::accel(counts, self.accel_state.routing.cause()))
+        Ok(accel_sample(counts, self.accel_state.routing.cause()))
     }
 
     fn fetch_mag(&mut self) -> Result<Sample, OrderError> {
@@ -186,7 +151,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
         if let Routing::Threshold(_) = self.mag_state.routing {
             Magnetometer::new(&mut self.mag).read_source()?;
         }
-        Ok(Sample::mag(counts, self.mag_state.routing.cause()))
+        Ok(mag_sample(counts, self.mag_state.routing.cause()))
     }
 
     /// Reads the magnetometer and adds back the offset that its sample was taken under.
@@ -197,25 +162,6 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
         }
         let sample = chip.read_sample()?;
         Ok(sample.with_offset_restored(self.output_offset))
-    }
-
-    /// Carries out an order and checks it.
-    ///
-    /// A half whose last order failed is set up again first.
-    ///
-    /// # Errors
-    /// The bus's, a register that does not hold what was written, a chip that is not there.
-    pub fn execute(&mut self, half: Half, action: ChipAction) -> Result<Done, OrderError> {
-        let result = self
-            .revive_lost(half)
-            .and_then(|()| self.obey(half, action));
-        match half {
-            Half::Accel => self.accel_state.answers = result.is_ok(),
-            Half::Mag => self.mag_state.answers = result.is_ok(),
-        }
-        let sample = result?;
-        let setting = self.setting(half);
-        Ok(Done { sample, setting })
     }
 
     fn setting(&self, half: Half) -> ChipSetting {
@@ -260,7 +206,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
         let mut chip = Accelerometer::new(&mut self.accel);
         chip.rearm()?;
         let counts = chip.read_sample()?;
-        Ok(Sample::accel(counts, Cause::Rearm))
+        Ok(accel_sample(counts, Cause::Rearm))
     }
 
     /// The sample read becomes the zero; one that comes later is under the new offset.
@@ -269,7 +215,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
         let offset = MagOffset::at(counts);
         Magnetometer::new(&mut self.mag).set_offset(offset)?;
         self.offset = offset;
-        Ok(Sample::mag(counts, Cause::Rearm))
+        Ok(mag_sample(counts, Cause::Rearm))
     }
 
     fn route_accel(&mut self, routing: Routing<AccelThreshold>) -> Result<(), OrderError> {
@@ -307,5 +253,41 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
         }
         self.mag_state.routing = routing;
         Ok(())
+    }
+}
+
+impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> ComparingSensor for HalfOf<'_, A, M> {
+    fn set_up(&mut self) -> Result<(), OrderError> {
+        match self.half {
+            Half::Accel => self.chip.set_up_accel(),
+            Half::Mag => self.chip.set_up_mag(),
+        }
+    }
+
+    fn fetch(&mut self) -> Result<Sample, OrderError> {
+        match self.half {
+            Half::Accel => {
+                self.chip.accel_state.heard = true;
+                self.chip.fetch_accel()
+            }
+            Half::Mag => {
+                self.chip.mag_state.heard = true;
+                self.chip.fetch_mag()
+            }
+        }
+    }
+
+    /// A half whose last order failed is set up again first.
+    fn execute(&mut self, action: ChipAction) -> Result<Obeyed, OrderError> {
+        let Self { chip, half } = self;
+        let result = chip
+            .revive_lost(*half)
+            .and_then(|()| chip.obey(*half, action));
+        match half {
+            Half::Accel => chip.accel_state.answers = result.is_ok(),
+            Half::Mag => chip.mag_state.answers = result.is_ok(),
+        }
+        let (sample, setting) = (result?, chip.setting(*half));
+        Ok(Obeyed { sample, setting })
     }
 }

@@ -23,6 +23,7 @@ pub mod mpu6050;
 pub mod noise;
 pub mod options;
 pub mod oscillator;
+mod own_clock;
 pub mod register_file;
 mod shared;
 pub mod stimulus;
@@ -32,5 +33,12 @@ pub use bus::{I2cChip, SpiChip};
 pub use lsm303agr::Lsm303agr;
 pub use mpu6050::Mpu6050;
 pub use options::{ChipOptions, Present};
-pub use shared::{Die, OfDies, OwnClock, SharedChips};
+pub use own_clock::{Die, OwnClock};
+pub use shared::SharedChips;
 pub use stimulus::{Stimulus, StimulusSource};
+
+/// The dies with a clock of their own, in the order of the firmware's inputs: both tiers play them.
+pub const DIES: [Die; 2] = [lsm303agr::ACCELEROMETER, lsm303agr::MAGNETOMETER];
+
+/// A value for each die, in the order of [`DIES`].
+pub type OfDies<T> = [T; DIES.len()];

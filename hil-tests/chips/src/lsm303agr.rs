@@ -27,7 +27,22 @@ pub use magnetometer::Magnetometer;
 
 use super::bus::SpiChip;
 use super::options::ChipOptions;
+use super::own_clock::{Die, OwnClock};
 use super::stimulus::StimulusSource;
+
+/// The accelerometer, as both tiers play it.
+pub const ACCELEROMETER: Die = Die {
+    name: "lsm303agr_accel",
+    is_present: |present| present.accelerometer,
+    model: |source, options| Box::new(Accelerometer::new(source, options)),
+};
+
+/// The magnetometer, as both tiers play it.
+pub const MAGNETOMETER: Die = Die {
+    name: "lsm303agr_mag",
+    is_present: |present| present.magnetometer,
+    model: |source, options| Box::new(Magnetometer::new(source, options)),
+};
 
 /// One LSM303AGR: two SPI chips in a package.
 pub struct Lsm303agr {

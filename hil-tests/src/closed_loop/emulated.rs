@@ -130,7 +130,7 @@ impl Tier for EmulatedTier {
     /// Between the run that answers a sample and the next sample's there is time; a run of the
     /// failsafe's timer in it would come late by half a step.
     fn soonest_command_ns(&self) -> u64 {
-        let samples = &self.observation.edges[Line::ImuReady.pin() as usize];
+        let samples = &self.observation.edges[Line::ImuReady as usize];
         let newest_ns = samples.last().copied().unwrap_or_default();
         let answered = self.observation.motors.last();
         let answered = answered.is_some_and(|write| write.at_ns >= newest_ns);

@@ -12,10 +12,11 @@ use std::sync::Arc;
 use embedded_hal::i2c::I2c;
 use reflex::app::{Autopilot, Call, Recorder, Stamped};
 use reflex::reactive::Refit;
+use reflex::sensors::Input;
 use reflex::tasks::chips::{Done, Fetches};
+use reflex::tasks::drivers::Drivers;
 use reflex::tasks::imu::Guard;
 use reflex::tasks::link::Link;
-use reflex::tasks::lsm303agr::Lsm303agr;
 use reflex::tasks::mpu6050::{CONFIG, Sensor};
 use reflex::time::Instant;
 use reflex_drivers::mpu6050::{self, BURST_LENGTH};
@@ -30,7 +31,7 @@ use super::wires::{BusTime, DieWire, I2cBus, Spi, Wire};
 use crate::ground_station::LinkFrame;
 use crate::logics::{AnyLogic, Start};
 use crate::record::{ChipState, OfChips};
-use chip_models::{ChipOptions, Die, Mpu6050, StimulusSource};
+use chip_models::{ChipOptions, DIES, Mpu6050, StimulusSource};
 
 /// What the crate `mpu6050` writes first: awake, on the gyro's clock.
 const IMU_WAKE: [u8; 2] = [mpu6050::register::PWR_MGMT_1, 0x01];
@@ -71,7 +72,7 @@ pub(crate) struct NativeBoard {
 
     pub(crate) dies: OfChips<DieWire>,
     pub(super) spi_time: BusTime,
-    pub(super) chips: Lsm303agr<Spi, Spi>,
+    pub(super) chips: Drivers<Spi>,
     pub(super) fetches: Fetches,
     /// What the chips' owner did on the bus, to be reported when the bus is done.
     pub(super) done: Option<Done>,
@@ -92,13 +93,13 @@ impl NativeBoard {
         frames: Vec<LinkFrame>,
     ) -> Self {
         let imu = Wire::new(Mpu6050::new(Arc::clone(source), options));
-        let dies = Die::ALL.map(|die| Wire::new(die.model(source, options)));
+        let dies = DIES.map(|die| Wire::new((die.model)(Arc::clone(source), options)));
         let spi_time = BusTime::default();
-        let [accel, mag] = dies.each_ref().map(|wire| Spi {
+        let devices = dies.each_ref().map(|wire| Spi {
             wire: wire.clone(),
             time: spi_time.clone(),
         });
-        let chips = Lsm303agr::new(accel, mag, &start.settings);
+        let chips = Drivers::new(devices, &start.settings);
         let imu_bus = I2cBus {
             wire: imu.clone(),
             time: BusTime::default(),
@@ -129,8 +130,9 @@ impl NativeBoard {
     /// Whatever does not answer is set up again later, as on the board.
     fn start_up(&mut self) {
         self.spi_time.set_ns(CHIPS_START_NS);
-        let _ = self.chips.set_up_accel();
-        let _ = self.chips.set_up_mag();
+        for input in Input::OF_CHIPS {
+            let _ = self.chips.set_up(input);
+        }
         self.imu_bus.time.set_ns(IMU_WAKE_NS);
         let _ = self.imu_bus.write(mpu6050::ADDRESS, &IMU_WAKE);
         self.imu_bus.time.set_ns(IMU_START_NS);

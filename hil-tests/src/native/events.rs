@@ -5,7 +5,7 @@
 use embedded_hal::i2c::I2c;
 use reflex::app::Fault;
 use reflex::sensors::Input;
-use reflex::tasks::chips::Work;
+use reflex::tasks::chips::{self, Work};
 use reflex::tasks::imu::{self, Configure, Report};
 use reflex::tasks::mpu6050::Sensor;
 use reflex::tasks::{Unshared, control, link};
@@ -123,8 +123,8 @@ impl NativeBoard {
     }
 
     fn ask_for_sample(&mut self, input: Input, at_ns: u64) {
-        self.fetches.ask(input, clock(at_ns.max(BOOT_NS)));
-        self.vectors.chips = true;
+        let (at, fetches) = (clock(at_ns.max(BOOT_NS)), &mut Unshared(&mut self.fetches));
+        chips::announced(&mut self.vectors, fetches, input, at);
         self.dispatch(0);
     }
 

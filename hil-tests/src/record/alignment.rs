@@ -61,7 +61,7 @@ impl Alignment {
 
     /// Finds every run's interrupt, and with them where the clock starts to the microsecond.
     fn match_edges(&mut self, observation: &Observation) {
-        let edges = &observation.edges[Line::ImuReady.pin() as usize];
+        let edges = &observation.edges[Line::ImuReady as usize];
         let stamps = newest_samples(observation);
         // A write comes at most some 100 us behind the run's stamp, a tenth of a period.
         let rough = self.clock_start_us;

@@ -1,7 +1,12 @@
 //! What is seen of the sensor chips, look by look, while a board runs.
 
-use chip_models::OwnClock;
+use chip_models::{DIES, OwnClock};
 use reflex::sensors::Input;
+
+const _: () = assert!(
+    DIES.len() == Input::OF_CHIPS.len(),
+    "hil-tests/chips/src/lib.rs: DIES has one die for each input of a chip"
+);
 
 /// A value for each chip with a clock of its own, in the order of [`Input::OF_CHIPS`].
 pub(crate) type OfChips<T> = [T; Input::OF_CHIPS.len()];
@@ -51,11 +56,10 @@ pub(crate) fn samples_since(looks: &[Look], from_ns: u64, chip: usize) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chip_models::Die;
 
     #[test]
     fn the_dies_stand_in_the_order_of_the_inputs_that_they_deliver() {
-        assert_eq!(Die::ALL.map(Die::name), Input::OF_CHIPS.map(Input::name));
+        assert_eq!(DIES.map(|die| die.name), Input::OF_CHIPS.map(Input::name));
     }
 
     #[test]

@@ -67,7 +67,7 @@ impl Observer for Observation {
 
     fn edge(&mut self, edge: Edge) {
         if edge.rising {
-            self.edges[edge.line.pin() as usize].push(edge.at_ns);
+            self.edges[edge.line as usize].push(edge.at_ns);
         }
     }
 

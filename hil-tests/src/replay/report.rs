@@ -16,7 +16,7 @@ use crate::record::{Look, samples_since};
 use crate::scoring::{
     Gap, ModelState, Options, RunReport, Sensor, SetpointSource, Tier, latencies,
 };
-use chip_models::Die;
+use chip_models::DIES;
 use emulated_board::Line;
 use recorded_flights::{Flight, Setpoints};
 
@@ -96,8 +96,8 @@ impl Evidence<'_, '_> {
         let chip = Input::OF_CHIPS.into_iter().position(|chip| chip == input);
         let line = chip.map_or(Line::ImuReady, |chip| Line::OF_DIES[chip]);
         let specimens = chip_options(self.flight, self.options);
-        let present = chip.is_none_or(|chip| Die::ALL[chip].is_present(specimens.present));
-        let interrupts = since(chips.edges[line.pin() as usize]);
+        let present = chip.is_none_or(|chip| (DIES[chip].is_present)(specimens.present));
+        let interrupts = since(chips.edges[line as usize]);
         // Every sample of the inertial sensor pulses its line.
         let samples = chip.map_or(interrupts, |chip| {
             samples_since(chips.looks, chips.from_ns, chip)

@@ -20,8 +20,8 @@ use reflex::reactive::{Fit, Logistic, Phase, Refit};
 use reflex::sensors::{Cause, ChipSample, Input};
 use reflex::settings::{Settings, Start, WarmUp};
 use reflex::tasks::chips::Chips;
+use reflex::tasks::drivers::Drivers;
 use reflex::tasks::imu::Imu;
-use reflex::tasks::lsm303agr::Lsm303agr;
 use reflex::tasks::mpu6050::Sensor;
 use reflex::time::{at_micros, micros};
 use reflex::units::Thrust;
@@ -31,10 +31,9 @@ use reflex_drivers::quantity::{Gauss, MetersPerSecondSquared};
 use reflex_drivers::threshold::ThresholdError;
 
 use super::ports::SpiPort;
-use chip_models::bus::SpiChip;
-use chip_models::lsm303agr::{Accelerometer, Magnetometer};
 use chip_models::stimulus::STANDARD_GRAVITY;
 use chip_models::testing::{exact, lively};
+use chip_models::{DIES, OfDies, OwnClock};
 
 /// mg per count of INT1_THS_A.
 const ACCEL_MG: [(AccelFullScale, f64); 4] = [
@@ -97,17 +96,17 @@ fn every_value_becomes_the_code_below_it_by_the_datasheet_s_weights() {
     );
 }
 
-/// A chip that its driver and the test share.
-struct Port<C>(Rc<RefCell<C>>);
+/// A die that its driver and the test share.
+struct Port(Rc<RefCell<Box<dyn OwnClock>>>);
 
-impl<C> ErrorType for Port<C> {
+impl ErrorType for Port {
     type Error = Infallible;
 }
 
-impl<C: SpiChip> SpiDevice for Port<C> {
+impl SpiDevice for Port {
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Infallible> {
         let (mut chip, now_ns) = (self.0.borrow_mut(), 0);
-        let chip = &mut *chip;
+        let chip = chip.as_mut();
         SpiPort { chip, now_ns }.transaction(operations)
     }
 }
@@ -120,9 +119,8 @@ struct Programmed(Option<u32>);
 struct Flight {
     autopilot: Autopilot<()>,
     now: u64,
-    accel: Rc<RefCell<Accelerometer>>,
-    mag: Rc<RefCell<Magnetometer>>,
-    chips: Lsm303agr<Port<Accelerometer>, Port<Magnetometer>>,
+    dies: OfDies<Rc<RefCell<Box<dyn OwnClock>>>>,
+    chips: Drivers<Port>,
 }
 
 impl Flight {
@@ -131,9 +129,8 @@ impl Flight {
             warm_up: WarmUp::Fixed(micros(4_000_000)),
             ..SETTINGS
         };
-        let accel = Rc::new(RefCell::new(Accelerometer::new(lively(), exact())));
-        let mag = Rc::new(RefCell::new(Magnetometer::new(lively(), exact())));
-        let ports = (Port(Rc::clone(&accel)), Port(Rc::clone(&mag)));
+        let dies = DIES.map(|die| Rc::new(RefCell::new((die.model)(lively(), exact()))));
+        let ports = dies.each_ref().map(|die| Port(Rc::clone(die)));
         let mut flight = Self {
             autopilot: Autopilot::new(
                 &Start {
@@ -144,9 +141,8 @@ impl Flight {
                 (),
             ),
             now: 0,
-            accel,
-            mag,
-            chips: Lsm303agr::new(ports.0, ports.1, &settings),
+            dies,
+            chips: Drivers::new(ports, &settings),
         };
         flight.milliseconds(600, |_| 0);
         let hover = Thrust::new(0.5).expect("in range");
@@ -216,10 +212,9 @@ impl Flight {
             self.autopilot.on_order_done(now, order, Ok(obeyed.setting));
             let upkeep = matches!(order.action, ChipAction::Rearm | ChipAction::Heartbeat);
             if order.input == input && !upkeep {
-                let held = Programmed(match input {
-                    Input::ChipAccel => self.accel.borrow().pin_threshold(),
-                    _ => self.mag.borrow().pin_threshold(),
-                });
+                let mut dies = Input::OF_CHIPS.into_iter().zip(&self.dies);
+                let (_, die) = dies.find(|(of, _)| *of == input).expect("of a chip");
+                let held = Programmed(die.borrow().pin_threshold());
                 let compares = matches!(obeyed.setting, ChipSetting::PastThreshold { .. });
                 assert_eq!(held.0.is_some(), compares);
                 programs = Some(held);

@@ -13,9 +13,9 @@ use super::super::{
     AccelThreshold, Accelerometer, Axes, HighPass, HighPassCorner, HighPassMode, MagCompare,
     MagInterrupt, MagPin, MagThreshold, Magnetometer, ThreeWire, ThresholdDuration,
 };
-use super::{Half, Halves, Routing, Sample};
+use super::{Half, Halves, Routing};
 use crate::error::Error;
-use crate::orders::{Cause, OrderError};
+use crate::orders::{Cause, OrderError, Sample};
 
 /// The accelerometer's full scale: the finest, because its threshold has the finest step.
 pub(super) const FULL_SCALE: AccelFullScale = AccelFullScale::G2;
@@ -160,11 +160,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
     }
 
     /// Sets the accelerometer up, should it be there.
-    ///
-    /// # Errors
-    /// The bus's, a chip that is not there or does not hold what was written: it is tried again
-    /// at its next order.
-    pub fn set_up_accel(&mut self) -> Result<(), OrderError> {
+    pub(super) fn set_up_accel(&mut self) -> Result<(), OrderError> {
         ThreeWire::enable(&mut self.accel).map_err(|_| OrderError::Bus)?;
         let mut chip = Accelerometer::new(&mut self.accel);
         chip.check_identity()?;
@@ -175,11 +171,8 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
         self.restore_accel()
     }
 
-    /// Sets the magnetometer up, should it be there.
-    ///
-    /// # Errors
     /// As [`Self::set_up_accel`].
-    pub fn set_up_mag(&mut self) -> Result<(), OrderError> {
+    pub(super) fn set_up_mag(&mut self) -> Result<(), OrderError> {
         let mut chip = Magnetometer::new(&mut self.mag);
         chip.check_identity()?;
         self.set_up()?;

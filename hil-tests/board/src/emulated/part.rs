@@ -20,7 +20,7 @@ use std::num::{NonZeroU32, NonZeroU64};
 use super::exti::Exti;
 use super::link::Link;
 use super::pwm_timer::{CHANNELS, PwmTimer};
-use super::reflex_f427::{CRYSTAL_HZ, LINE_PORT, LINK_USART, MOTOR_TIMERS, PULLED_UP};
+use super::reflex_f427::{CRYSTAL_HZ, LINE_PORT_NUMBER, LINK_USART, MOTOR_TIMERS, PULLED_UP};
 use super::sensors::Sensors;
 use super::syscfg::Syscfg;
 use crate::{Edge, Line};
@@ -100,7 +100,7 @@ impl Part {
             self.drive_pin(at, port, pin, true);
         }
         for line in Line::ALL {
-            self.drive_pin(at, LINE_PORT, line.pin(), self.levels[line as usize]);
+            self.drive_pin(at, LINE_PORT_NUMBER, line.pin(), self.levels[line as usize]);
         }
     }
 
@@ -136,8 +136,8 @@ impl Part {
                 line,
                 rising,
             });
-            self.drive_pin(now, LINE_PORT, line.pin(), rising);
-            if usize::from(ports[usize::from(line.pin())]) == LINE_PORT {
+            self.drive_pin(now, LINE_PORT_NUMBER, line.pin(), rising);
+            if usize::from(ports[usize::from(line.pin())]) == LINE_PORT_NUMBER {
                 let (registers, mut context) = self.soc.bus_mut().drive(now, self.slots.exti);
                 self.exti
                     .set_line(line.pin(), rising, registers, &mut context);
@@ -148,7 +148,7 @@ impl Part {
     fn reselect_lines(&mut self) {
         let ports = self.syscfg.ports();
         for line in Line::ALL {
-            let heard = usize::from(ports[usize::from(line.pin())]) == LINE_PORT;
+            let heard = usize::from(ports[usize::from(line.pin())]) == LINE_PORT_NUMBER;
             self.exti
                 .reselect(line.pin(), heard && self.levels[line as usize]);
         }

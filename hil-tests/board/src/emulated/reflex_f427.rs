@@ -3,7 +3,7 @@
 //! What `src/board/reflex_f427` tells the firmware is said here once more, by the schematic: the
 //! emulator finds a firmware that uses another pin.
 
-use chip_models::{Die, OfDies};
+use chip_models::{DIES, OfDies};
 
 use crate::motors::MOTORS;
 
@@ -13,8 +13,9 @@ pub(super) const CRYSTAL_HZ: u64 = 8_000_000;
 /// Timers whose channels 1 to 4 drive motors, in the order of the motors.
 pub(super) const MOTOR_TIMERS: [&str; 2] = ["TIM3", "TIM4"];
 
-/// Port of every interrupt line by its number in SYSCFG_EXTICR, A = 0.
-pub(super) const LINE_PORT: usize = 2;
+/// Port of every interrupt line, and its number in SYSCFG_EXTICR.
+pub(super) const LINE_PORT: &str = "GPIOC";
+pub(super) const LINE_PORT_NUMBER: usize = 2;
 
 /// Pins that resistors pull up, by port and pin: I2C1's clock and data.
 pub(super) const PULLED_UP: [(usize, u8); 2] = [(1, 8), (1, 9)];
@@ -25,8 +26,11 @@ pub(super) const IMU_I2C: usize = 0;
 pub(super) const CHIPS_SPI: usize = 0;
 pub(super) const LINK_USART: usize = 1;
 
-/// Chip selects of accelerometer and magnetometer, by port and pin.
-pub(super) const SELECTS: OfDies<(&str, u8)> = [("GPIOA", 4), ("GPIOC", 4)];
+/// Chip selects of the dies with clocks of their own.
+pub(super) const SELECTS: OfDies<Wire> = [
+    Wire::new("accelerometer select", "GPIOA", 4, Use::Output),
+    Wire::new("magnetometer select", "GPIOC", 4, Use::Output),
+];
 
 /// An interrupt line from a sensor to the processor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -41,8 +45,7 @@ pub enum Line {
 
 impl Line {
     /// Every line, in the order of its pin.
-    pub const ALL: [Self; 1 + Die::ALL.len()] =
-        [Self::ImuReady, Self::AccelThreshold, Self::MagEvent];
+    pub const ALL: [Self; 1 + DIES.len()] = [Self::ImuReady, Self::AccelThreshold, Self::MagEvent];
 
     /// The line of each die with a clock of its own.
     pub const OF_DIES: OfDies<Self> = [Self::AccelThreshold, Self::MagEvent];
@@ -54,6 +57,11 @@ impl Line {
             Self::AccelThreshold => 1,
             Self::MagEvent => 2,
         }
+    }
+
+    /// The wire that is the line.
+    pub(super) const fn wire(self) -> Wire {
+        Wire::new(self.name(), LINE_PORT, self.pin(), Use::Input)
     }
 
     /// The chip and pin that drive the line, as the datasheets name them.
@@ -82,9 +90,20 @@ pub(super) enum Use {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wire {
     pub(super) signal: &'static str,
-    pub(super) port: char,
-    pub(super) pin: u32,
+    pub(super) port: &'static str,
+    pub(super) pin: u8,
     pub(super) uses: Use,
+}
+
+impl Wire {
+    const fn new(signal: &'static str, port: &'static str, pin: u8, uses: Use) -> Self {
+        Self {
+            signal,
+            port,
+            pin,
+            uses,
+        }
+    }
 }
 
 const fn function(number: u64) -> Use {
@@ -99,81 +118,22 @@ const I2C: Use = Use::Alternate {
     open_drain: true,
 };
 
-/// Wires of which the firmware configures the pin.
-pub(super) const WIRES: [Wire; 12] = [
-    Wire {
-        signal: "SPI1_SCK",
-        port: 'A',
-        pin: 5,
-        uses: function(5),
-    },
-    Wire {
-        signal: "SPI1_MISO",
-        port: 'A',
-        pin: 6,
-        uses: function(5),
-    },
-    Wire {
-        signal: "SPI1_MOSI",
-        port: 'A',
-        pin: 7,
-        uses: function(5),
-    },
-    Wire {
-        signal: "accelerometer select",
-        port: 'A',
-        pin: 4,
-        uses: Use::Output,
-    },
-    Wire {
-        signal: "magnetometer select",
-        port: 'C',
-        pin: 4,
-        uses: Use::Output,
-    },
-    Wire {
-        signal: "I2C1_SCL",
-        port: 'B',
-        pin: 8,
-        uses: I2C,
-    },
-    Wire {
-        signal: "I2C1_SDA",
-        port: 'B',
-        pin: 9,
-        uses: I2C,
-    },
-    Wire {
-        signal: "USART2_TX",
-        port: 'D',
-        pin: 5,
-        uses: function(7),
-    },
-    Wire {
-        signal: "USART2_RX",
-        port: 'D',
-        pin: 6,
-        uses: function(7),
-    },
-    Wire {
-        signal: Line::ImuReady.name(),
-        port: 'C',
-        pin: 0,
-        uses: Use::Input,
-    },
-    Wire {
-        signal: Line::AccelThreshold.name(),
-        port: 'C',
-        pin: 1,
-        uses: Use::Input,
-    },
-    Wire {
-        signal: Line::MagEvent.name(),
-        port: 'C',
-        pin: 2,
-        uses: Use::Input,
-    },
+/// Wires of the buses and the link.
+const BUSES: [Wire; 7] = [
+    Wire::new("SPI1_SCK", "GPIOA", 5, function(5)),
+    Wire::new("SPI1_MISO", "GPIOA", 6, function(5)),
+    Wire::new("SPI1_MOSI", "GPIOA", 7, function(5)),
+    Wire::new("I2C1_SCL", "GPIOB", 8, I2C),
+    Wire::new("I2C1_SDA", "GPIOB", 9, I2C),
+    Wire::new("USART2_TX", "GPIOD", 5, function(7)),
+    Wire::new("USART2_RX", "GPIOD", 6, function(7)),
 ];
+
+/// Wires of which the firmware configures the pin, but for those of motors.
+pub(super) fn wires() -> impl Iterator<Item = Wire> {
+    let lines = Line::ALL.map(Line::wire);
+    BUSES.into_iter().chain(SELECTS).chain(lines)
+}
 
 /// Motors 1 to 4 leave on PC6 to PC9, motors 5 to 8 on PD12 to PD15.
 pub(super) fn motor_wire(motor: usize) -> Wire {
@@ -182,13 +142,8 @@ pub(super) fn motor_wire(motor: usize) -> Wire {
         "TIM4_CH4",
     ];
     let (port, pin) = match motor {
-        0..4 => ('C', 6 + motor as u32),
-        _ => ('D', 8 + motor as u32),
+        0..4 => ("GPIOC", 6 + motor as u8),
+        _ => ("GPIOD", 8 + motor as u8),
     };
-    Wire {
-        signal: SIGNALS[motor],
-        port,
-        pin,
-        uses: function(2),
-    }
+    Wire::new(SIGNALS[motor], port, pin, function(2))
 }

@@ -14,7 +14,7 @@ use rigless::soc::stm32f427::Stm32f427;
 use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::soc::stm32f427::peripherals::spi::Select;
 
-use super::reflex_f427::{CHIPS_SPI, IMU_I2C, Line, SELECTS};
+use super::reflex_f427::{CHIPS_SPI, IMU_I2C, Line, SELECTS, Wire};
 use chip_models::{I2cChip, OfDies, SharedChips, SpiChip};
 
 /// The chips of the board, each shared with its owner.
@@ -44,7 +44,7 @@ impl fmt::Debug for Sensors {
 impl Sensors {
     /// Hangs the chips on the part's buses, as the board is wired.
     pub(super) fn attach(&self, soc: &mut Stm32f427) {
-        let select = |(port, pin)| Select {
+        let select = |Wire { port, pin, .. }| Select {
             port,
             pin: Pin::new(pin).expect("a port has sixteen pins"),
             active: Level::Low,

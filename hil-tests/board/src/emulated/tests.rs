@@ -7,7 +7,7 @@ mod runs;
 use std::sync::{Arc, Mutex};
 
 use super::Sensors;
-use chip_models::{Die, I2cChip, SpiChip};
+use chip_models::{DIES, I2cChip, SpiChip};
 
 /// A chip that only has an interrupt pin, high between two instants.
 #[derive(Clone, Copy, Debug, Default)]
@@ -73,7 +73,6 @@ impl SpiChip for Pulse {
 fn sensors(imu: Pulse) -> Sensors {
     Sensors {
         imu: Arc::new(Mutex::new(imu)),
-        dies: Die::ALL
-            .map(|_| -> Arc<Mutex<dyn SpiChip>> { Arc::new(Mutex::new(Pulse::default())) }),
+        dies: DIES.map(|_| -> Arc<Mutex<dyn SpiChip>> { Arc::new(Mutex::new(Pulse::default())) }),
     }
 }

@@ -9,7 +9,7 @@ use rigless::mcu::Mcu;
 use rigless::soc::stm32f427::generated::{dma2, exti, gpioa};
 
 use super::part::Part;
-use super::reflex_f427::{LINE_PORT, Line, Use, WIRES, Wire, motor_wire};
+use super::reflex_f427::{LINE_PORT, LINE_PORT_NUMBER, Line, Use, Wire, motor_wire, wires};
 use crate::motors::MOTORS;
 
 /// Core-coupled memory, which the DMA controllers do not reach.
@@ -32,8 +32,7 @@ pub(super) fn problems(part: &Part, driven: u8) -> Vec<String> {
     let motors = (0..MOTORS)
         .filter(|motor| driven >> motor & 1 != 0)
         .map(motor_wire);
-    let mut problems: Vec<String> = WIRES
-        .into_iter()
+    let mut problems: Vec<String> = wires()
         .chain(motors)
         .filter_map(|wire| pin_problem(part, wire))
         .collect();
@@ -43,18 +42,23 @@ pub(super) fn problems(part: &Part, driven: u8) -> Vec<String> {
 }
 
 fn pin_problem(part: &Part, wire: Wire) -> Option<String> {
-    let name = format!("GPIO{}", wire.port);
-    let found = found_use(part.bus().registers(&name)?, wire.pin);
+    let found = found_use(part.bus().registers(wire.port)?, u32::from(wire.pin));
     (found != Some(wire.uses)).then(|| {
         let Wire {
             signal, port, pin, ..
         } = wire;
         let found = found.map_or("analog".into(), describe);
         format!(
-            "P{port}{pin} ({signal}) is {found}, not {}",
+            "{}{pin} ({signal}) is {found}, not {}",
+            short(port),
             describe(wire.uses)
         )
     })
+}
+
+/// A port as pins spell it: `PC` for `GPIOC`.
+fn short(port: &str) -> String {
+    port.replace("GPIO", "P")
 }
 
 /// How a pin is configured; none when it is analog.
@@ -102,14 +106,10 @@ fn line_problems(part: &Part) -> Vec<String> {
     let wrong = Line::ALL.into_iter().filter_map(|line| {
         let pin = line.pin();
         let port = ports[usize::from(pin)];
-        (mask >> pin & 1 != 0 && usize::from(port) != LINE_PORT).then(|| {
-            let letter = |port: u8| char::from(b'A' + port);
-            format!(
-                "EXTI{pin} listens at P{}{pin}, but {} is at P{}{pin}",
-                letter(port),
-                line.name(),
-                letter(LINE_PORT as u8)
-            )
+        (mask >> pin & 1 != 0 && usize::from(port) != LINE_PORT_NUMBER).then(|| {
+            let listens = char::from(b'A' + port);
+            let (name, wired) = (line.name(), short(LINE_PORT));
+            format!("EXTI{pin} listens at P{listens}{pin}, but {name} is at {wired}{pin}")
         })
     });
     wrong.collect()

@@ -18,6 +18,7 @@ use super::spi::{Addressing, Byte, Transaction};
 use crate::bus::SpiChip;
 use crate::filter::HighPass;
 use crate::options::ChipOptions;
+use crate::own_clock::OwnClock;
 use crate::stimulus::{STANDARD_GRAVITY, StimulusSource};
 
 /// How long a reload of the trimming takes.
@@ -103,19 +104,9 @@ impl Accelerometer {
         }
     }
 
-    /// Output samples produced so far, across resets.
-    pub fn samples(&self) -> u64 {
-        self.samples
-    }
-
     /// Interrupts begun by generator 1 and 2 so far.
     pub fn triggers(&self) -> [u64; 2] {
         self.triggers
-    }
-
-    /// Nominal data rate in Hz; `None` in power-down.
-    pub fn rate_hz(&self) -> Option<f64> {
-        self.setup.rate_hz
     }
 
     /// Threshold of generator 1 and 2 in m/s2.
@@ -125,34 +116,12 @@ impl Accelerometer {
             .map(|g| g * STANDARD_GRAVITY)
     }
 
-    /// The threshold code in force on INT_1_XL; `None` where CTRL_REG3_A does not route generator
-    /// 1 there.
-    pub fn pin_threshold(&self) -> Option<u32> {
-        const I1_AOI1: u8 = 0x40;
-        let routed = self.registers.has(map::CTRL_REG3_A, I1_AOI1);
-        routed.then(|| u32::from(self.register(map::INT1_THS_A)))
-    }
-
     /// Level of pin INT_2_XL.
     pub fn interrupt_2(&self) -> bool {
         let routed = |bit, active| self.registers.has(map::CTRL_REG6_A, bit) && active;
         self.polarised(
             routed(0x40, self.generators[0].active()) || routed(0x20, self.generators[1].active()),
         )
-    }
-
-    /// A supply dip at `now_ns`: registers and filters at their reset values.
-    pub fn brown_out(&mut self, now_ns: u64) {
-        self.advance(now_ns);
-        self.registers = Registers::at_reset();
-        self.high_pass = HighPass::default();
-        self.newest = [0.0; 3];
-        self.outputs = Outputs::default();
-        self.temperature = Temperature::default();
-        self.generators = [Generator::default(); 2];
-        self.boot_ends_ns = None;
-        self.spi.deselect();
-        self.configure();
     }
 
     fn configure(&mut self) {
@@ -276,6 +245,37 @@ impl Accelerometer {
             _ => {}
         }
         value
+    }
+}
+
+impl OwnClock for Accelerometer {
+    fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// The threshold code in force on INT_1_XL; `None` where CTRL_REG3_A does not route generator
+    /// 1 there.
+    fn pin_threshold(&self) -> Option<u32> {
+        const I1_AOI1: u8 = 0x40;
+        let routed = self.registers.has(map::CTRL_REG3_A, I1_AOI1);
+        routed.then(|| u32::from(self.register(map::INT1_THS_A)))
+    }
+
+    fn rate_hz(&self) -> Option<f64> {
+        self.setup.rate_hz
+    }
+
+    fn brown_out(&mut self, now_ns: u64) {
+        self.advance(now_ns);
+        self.registers = Registers::at_reset();
+        self.high_pass = HighPass::default();
+        self.newest = [0.0; 3];
+        self.outputs = Outputs::default();
+        self.temperature = Temperature::default();
+        self.generators = [Generator::default(); 2];
+        self.boot_ends_ns = None;
+        self.spi.deselect();
+        self.configure();
     }
 }
 

@@ -19,6 +19,7 @@ use crate::filter::HighPass;
 use crate::noise::{Noise, Stream};
 use crate::options::ChipOptions;
 use crate::oscillator::{self, Ticker};
+use crate::own_clock::OwnClock;
 use crate::stimulus::StimulusSource;
 
 /// Tolerance of the data rate. The datasheet gives none: typical of the family.
@@ -91,22 +92,9 @@ impl Magnetometer {
         }
     }
 
-    /// Output samples produced so far, across resets.
-    pub fn samples(&self) -> u64 {
-        self.samples
-    }
-
     /// Threshold interrupts begun so far.
     pub fn triggers(&self) -> u64 {
         self.triggers
-    }
-
-    /// Nominal data rate in Hz; `None` unless measuring continuously.
-    pub fn rate_hz(&self) -> Option<f64> {
-        match self.mode {
-            Mode::Continuous(rate_hz) => Some(rate_hz),
-            Mode::Idle | Mode::Single => None,
-        }
     }
 
     /// Threshold in gauss.
@@ -114,26 +102,11 @@ impl Magnetometer {
         f64::from(self.registers.threshold()) * map::GAUSS_PER_COUNT
     }
 
-    /// The threshold code in force on INT_MAG; `None` where CFG_REG_C_M does not route its
-    /// interrupt there.
-    pub fn pin_threshold(&self) -> Option<u32> {
-        const INT_MAG_PIN: u8 = 0x40;
-        let routed = self.registers.has(map::CFG_REG_C_M, INT_MAG_PIN);
-        routed.then(|| u32::from(self.registers.threshold()))
-    }
-
     /// Hard-iron offsets in gauss.
     pub fn offsets(&self) -> [f64; 3] {
         self.registers
             .offsets()
             .map(|code| f64::from(code) * map::GAUSS_PER_COUNT)
-    }
-
-    /// A supply dip at `now_ns`: every register back to its reset value.
-    pub fn brown_out(&mut self, now_ns: u64) {
-        self.advance(now_ns);
-        self.reset();
-        self.spi.deselect();
     }
 
     fn reset(&mut self) {
@@ -234,6 +207,34 @@ impl Magnetometer {
             _ => {}
         }
         value
+    }
+}
+
+impl OwnClock for Magnetometer {
+    fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// The threshold code in force on INT_MAG; `None` where CFG_REG_C_M does not route its
+    /// interrupt there.
+    fn pin_threshold(&self) -> Option<u32> {
+        const INT_MAG_PIN: u8 = 0x40;
+        let routed = self.registers.has(map::CFG_REG_C_M, INT_MAG_PIN);
+        routed.then(|| u32::from(self.registers.threshold()))
+    }
+
+    /// Nominal data rate in Hz; `None` unless measuring continuously.
+    fn rate_hz(&self) -> Option<f64> {
+        match self.mode {
+            Mode::Continuous(rate_hz) => Some(rate_hz),
+            Mode::Idle | Mode::Single => None,
+        }
+    }
+
+    fn brown_out(&mut self, now_ns: u64) {
+        self.advance(now_ns);
+        self.reset();
+        self.spi.deselect();
     }
 }
 

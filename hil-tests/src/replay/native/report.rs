@@ -30,9 +30,9 @@ pub(super) fn report(
         })
         .collect();
     let mut edges = [const { Vec::new() }; Line::ALL.len()];
-    edges[Line::ImuReady.pin() as usize] = board.imu.with(|wired| wired.rises.clone());
+    edges[Line::ImuReady as usize] = board.imu.with(|wired| wired.rises.clone());
     for (line, wire) in Line::OF_DIES.into_iter().zip(&board.dies) {
-        edges[line.pin() as usize] = wire.with(|wired| wired.rises.clone());
+        edges[line as usize] = wire.with(|wired| wired.rises.clone());
     }
     let evidence = Evidence {
         options,

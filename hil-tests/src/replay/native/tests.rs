@@ -10,7 +10,6 @@ use reflex::time::micros;
 use super::*;
 use crate::native::DieWire;
 use crate::scoring::Tier;
-use chip_models::Die;
 use recorded_flights::recordings::recording;
 use recorded_flights::{Rotate, Rotation};
 
@@ -149,7 +148,8 @@ fn in_flight(flight: &Flight, seconds: u64, settings: Settings) -> NativeBoard {
 }
 
 fn accel(board: &NativeBoard) -> &DieWire {
-    &board.dies[Die::Accel as usize]
+    let place = |input| Input::OF_CHIPS.iter().position(|chip| *chip == input);
+    &board.dies[place(Input::ChipAccel).expect("of a chip")]
 }
 
 /// The accelerometer's supply dips now: its registers are lost, it samples no more, and its pin
