@@ -25,6 +25,8 @@
 //! `autopilot` is locked at priority 4 at most: control holds up neither stamps nor bursts. The log
 //! does, by microseconds: idle formats a line with interrupts masked.
 #![cfg_attr(target_os = "none", no_std, no_main)]
+// A part of the board that is given to no task is a forgotten task.
+#![deny(unused)]
 
 #[cfg(target_os = "none")]
 mod board;

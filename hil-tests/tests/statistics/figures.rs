@@ -21,14 +21,13 @@ use recorded_flights::Flight;
 use recorded_flights::recordings::flights;
 
 /// Which inputs are shown, and in which of the settings: one in which the input is fitted.
-const PANELS: [(Input, usize); Input::COUNT] = [
-    (Input::Command, 0),
-    (Input::Gyro, 1),
-    (Input::Turned, 2),
-    (Input::Accel, 1),
-    (Input::ChipAccel, 2),
-    (Input::ChipMag, 2),
-];
+fn panels() -> Vec<(Input, usize)> {
+    let of_imu = [Input::Command, Input::Gyro, Input::Turned, Input::Accel].into_iter();
+    of_imu
+        .zip([0, 1, 2, 1])
+        .chain(Input::OF_CHIPS.map(|input| (input, 2)))
+        .collect()
+}
 
 /// Dots along the axis of changes.
 const DOTS: usize = 24;
@@ -168,7 +167,9 @@ fn figure(flight: &Flight, file: &Path) -> DrawResult {
         ("sans-serif", 18),
     )?;
     let all = settings();
-    for (panel, (input, place)) in root.split_evenly((2, 3)).iter().zip(PANELS) {
+    let panels = panels();
+    let grid = root.split_evenly((panels.len().div_ceil(3), 3));
+    for (panel, (input, place)) in grid.iter().zip(panels) {
         let (name, settings) = &all[place];
         draw(panel, input, name, settings, flight)?;
     }
