@@ -8,6 +8,7 @@ use std::cell::{Cell, RefCell};
 use std::convert::Infallible;
 use std::rc::Rc;
 
+use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::{self, ErrorKind, I2c, NoAcknowledgeSource};
 use embedded_hal::spi::{self, SpiDevice};
 
@@ -130,6 +131,13 @@ impl BusTime {
     fn pass(&self, length_ns: u64) -> u64 {
         self.0.set(self.0.get() + length_ns);
         self.0.get()
+    }
+}
+
+/// A delay is time in which the bus is not used.
+impl DelayNs for BusTime {
+    fn delay_ns(&mut self, length_ns: u32) {
+        self.pass(u64::from(length_ns));
     }
 }
 
