@@ -21,7 +21,7 @@ use reflex_drivers::lsm303agr::{
 use super::comparison::{Comparison, Decision, Sample, Tally};
 use super::ports::SpiPort;
 use super::streams::{Dice, Kind, Stream};
-use chip_models::bus::SpiChip;
+use chip_models::bus::Chip;
 use chip_models::lsm303agr::Accelerometer;
 use chip_models::stimulus::STANDARD_GRAVITY;
 use chip_models::testing::{real, write_spi};

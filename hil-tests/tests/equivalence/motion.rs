@@ -25,7 +25,7 @@ use reflex_drivers::mpu6050::{
 use super::comparison::{Comparison, Decision, Sample, Tally};
 use super::ports::I2cPort;
 use super::streams::{Dice, Kind, Stream};
-use chip_models::bus::I2cChip;
+use chip_models::bus::Chip;
 use chip_models::stimulus::STANDARD_GRAVITY;
 use chip_models::testing::real;
 use chip_models::{ChipOptions, Mpu6050, StimulusSource};
