@@ -14,7 +14,7 @@ use crate::error::{Chip, Error, expect_identity};
 
 /// The accelerometer on SPI.
 ///
-/// The [module](super) tells how it starts beside the crate `lsm303agr`.
+/// The [module](super) says how it starts beside the crate `lsm303agr`.
 #[derive(Debug)]
 pub struct Accelerometer<SPI> {
     port: Port<SPI>,

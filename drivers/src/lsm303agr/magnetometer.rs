@@ -16,7 +16,7 @@ const I2C_DISABLE: u8 = 0x20;
 
 /// The magnetometer on SPI.
 ///
-/// The [module](super) tells how it starts beside the crate `lsm303agr`.
+/// The [module](super) says how it starts beside the crate `lsm303agr`.
 #[derive(Debug)]
 pub struct Magnetometer<SPI> {
     port: Port<SPI>,
