@@ -1,4 +1,4 @@
-//! Options of the command line that a list of declarations makes, as clap reads them.
+//! Options of the command line that declarations make, as clap reads them.
 //!
 //! Each option, its help and its refusals are written from its [`Setting`].
 
