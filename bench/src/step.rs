@@ -182,7 +182,7 @@ impl Flat {
 }
 
 impl Step {
-    /// True where every input is set: then time-triggered control comes to the same.
+    /// True where every input is set: then time-triggered control computes the same.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         self.motion.is_some()

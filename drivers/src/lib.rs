@@ -4,8 +4,8 @@
 //! comparators inside the chips: thresholds computed in SI units, written, read back and checked,
 //! re-armed at every control run. That is here, over the traits of embedded-hal 1.0.
 //!
-//! A driver owns its bus (or a handle to a shared one) and gives it back with `release()`. Nothing
-//! sleeps and nothing loops without a bound, so a call costs what its bytes cost on the bus.
+//! A driver takes its bus by value: a handle to a shared one, or a loan (`&mut`). Nothing sleeps
+//! and nothing loops without a bound, so a call costs what its bytes cost on the bus.
 //!
 //! | module | for |
 //! |---|---|

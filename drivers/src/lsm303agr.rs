@@ -32,7 +32,7 @@ pub use accelerometer::Accelerometer;
 pub use codes::{AccelThreshold, MagThreshold, ThresholdDuration};
 pub use full_scale::AccelFullScale;
 pub use magnetometer::Magnetometer;
-pub use sample::{AccelCounts, AccelSource, MAG_STEP, MagCounts, MagOffset, MagSource, Status};
+pub use sample::{AccelCounts, MAG_STEP, MagCounts, MagOffset, Status};
 pub use setup::{
     AccelDataRate, AccelInterrupt, AccelMode, AccelOutput, AccelPin, Axes, HighPass,
     HighPassCorner, HighPassMode, MagCompare, MagInterrupt, MagPin,

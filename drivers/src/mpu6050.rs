@@ -21,20 +21,17 @@ use embedded_hal::i2c::I2c;
 pub use burst::{BURST_LENGTH, BURST_START, ImuBurst, InterruptStatus};
 pub use check::{CHECKS, Check, Difference, LONGEST_CHECK};
 pub use motion::{
-    MotionDecrement, MotionDetector, MotionHighPass, MotionStatus, MotionThreshold,
-    NOMINAL_MOTION_STEP,
+    MotionDecrement, MotionDetector, MotionHighPass, MotionThreshold, NOMINAL_MOTION_STEP,
 };
 pub use setup::{AccelRange, GyroRange, ImuConfig, InterruptPin, InterruptSource, LowPass};
 
 use crate::error::{Chip, Error, expect_identity, expect_register};
 pub use crate::registers::mpu6050 as register;
-use register::{ACCEL_CONFIG, INT_STATUS, MOT_DETECT_STATUS, MOT_THR, WHO_AM_I};
+use register::{ACCEL_CONFIG, WHO_AM_I};
 
 /// Address on the bus with the pin AD0 low.
 pub const ADDRESS: u8 = 0x68;
-/// Address on the bus with the pin AD0 high.
-pub const ADDRESS_AD0_HIGH: u8 = 0x69;
-/// WHO_AM_I, at either address.
+/// WHO_AM_I, whatever the address.
 pub const IDENTITY: u8 = 0x68;
 
 /// The MPU6050 on I2C.
@@ -48,11 +45,6 @@ impl<I2C: I2c> Mpu6050<I2C> {
     /// Takes the bus; nothing is sent yet.
     pub const fn new(i2c: I2C, address: u8) -> Self {
         Self { i2c, address }
-    }
-
-    /// Gives the bus back; the chip keeps its configuration.
-    pub fn release(self) -> I2C {
-        self.i2c
     }
 
     /// Checks WHO_AM_I.
@@ -88,18 +80,6 @@ impl<I2C: I2c> Mpu6050<I2C> {
         Ok(())
     }
 
-    /// Writes the motion detector's threshold and checks it.
-    ///
-    /// # Errors
-    /// The bus's; `ReadBack`.
-    pub fn set_motion_threshold(
-        &mut self,
-        threshold: MotionThreshold,
-    ) -> Result<(), Error<I2C::Error>> {
-        self.write(MOT_THR, threshold.code())?;
-        self.expect(MOT_THR, threshold.code())
-    }
-
     /// Lets go of the motion detector's reference: nothing is detected until
     /// [`Self::take_motion_reference`].
     ///
@@ -128,34 +108,6 @@ impl<I2C: I2c> Mpu6050<I2C> {
     pub fn take_motion_reference(&mut self, config: &ImuConfig) -> Result<(), Error<I2C::Error>> {
         self.write(ACCEL_CONFIG, config.accel_config())?;
         self.expect(ACCEL_CONFIG, config.accel_config())
-    }
-
-    /// Reads INT_STATUS, which clears it.
-    ///
-    /// # Errors
-    /// The bus's.
-    pub fn interrupt_status(&mut self) -> Result<InterruptStatus, Error<I2C::Error>> {
-        self.read(INT_STATUS).map(InterruptStatus)
-    }
-
-    /// Reads which axis and direction moved.
-    ///
-    /// # Errors
-    /// The bus's.
-    pub fn motion_status(&mut self) -> Result<MotionStatus, Error<I2C::Error>> {
-        self.read(MOT_DETECT_STATUS).map(MotionStatus)
-    }
-
-    /// Reads status and sample in one burst; also clears INT_STATUS.
-    ///
-    /// # Errors
-    /// The bus's.
-    pub fn read_burst(&mut self) -> Result<ImuBurst, Error<I2C::Error>> {
-        let mut bytes = [0; BURST_LENGTH];
-        self.i2c
-            .write_read(self.address, &[BURST_START], &mut bytes)
-            .map_err(Error::Bus)?;
-        Ok(ImuBurst::from_bytes(&bytes))
     }
 
     fn read(&mut self, register: u8) -> Result<u8, Error<I2C::Error>> {

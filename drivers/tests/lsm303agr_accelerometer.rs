@@ -8,8 +8,8 @@ use reflex_drivers::{
     Chip, Error,
     lsm303agr::{
         AccelDataRate, AccelFullScale, AccelInterrupt, AccelMode, AccelOutput, AccelPin,
-        AccelSource, AccelThreshold, Accelerometer, Axes, HighPass, HighPassCorner, HighPassMode,
-        Status, ThresholdDuration,
+        AccelThreshold, Accelerometer, Axes, HighPass, HighPassCorner, HighPassMode, Status,
+        ThresholdDuration,
     },
 };
 
@@ -38,24 +38,6 @@ const FLIGHT_REGISTERS: [(u8, u8); 6] = [
     (0x30, 0x2A),
     (0x22, 0x40),
 ];
-
-#[test]
-fn read_back_is_enabled_by_bit_0_of_ctrl_reg4_and_checked() {
-    on_bus(&[checked(0x23, 0x01)], |bus| {
-        Accelerometer::new(bus).enable_read_back().unwrap()
-    });
-    on_bus(&[writes(&[0x23, 0x01]), reads(0xA3, &[0x00])], |bus| {
-        assert_eq!(
-            Accelerometer::new(bus).enable_read_back(),
-            Err(Error::ReadBack {
-                chip: CHIP,
-                register: 0x23,
-                wrote: 0x01,
-                read: 0x00
-            })
-        );
-    });
-}
 
 #[test]
 fn identity_is_read_from_0x0f_and_another_chip_is_refused() {
@@ -232,24 +214,14 @@ fn a_register_that_does_not_hold_its_value_is_named_when_configuring_and_when_ve
 }
 
 #[test]
-fn threshold_is_written_read_back_and_verified() {
+fn threshold_is_written_and_read_back() {
     let threshold = AccelThreshold::from_code(0x2B).unwrap();
-    on_bus(
-        &[
-            checked(0x32, 0x2B),
-            reads(0xB2, &[0x2B]),
-            reads(0xB2, &[0x11]),
-        ],
-        |bus| {
-            let mut chip = Accelerometer::new(bus);
-            chip.set_threshold(threshold).unwrap();
-            chip.verify_threshold(threshold).unwrap();
-            assert_eq!(chip.read_threshold_code(), Ok(0x11));
-        },
-    );
-    on_bus(&[reads(0xB2, &[0x00])], |bus| {
+    on_bus(&[checked(0x32, 0x2B)], |bus| {
+        Accelerometer::new(bus).set_threshold(threshold).unwrap();
+    });
+    on_bus(&[writes(&[0x32, 0x2B]), reads(0xB2, &[0x00])], |bus| {
         assert_eq!(
-            Accelerometer::new(bus).verify_threshold(threshold),
+            Accelerometer::new(bus).set_threshold(threshold),
             Err(Error::ReadBack {
                 chip: CHIP,
                 register: 0x32,
@@ -276,26 +248,19 @@ fn the_pin_is_routed_by_ctrl_reg3() {
 }
 
 #[test]
-fn rearming_reads_reference_and_the_source_tells_the_axes() {
-    on_bus(
-        &[
-            reads(0xA6, &[0x55]),
-            reads(0xB1, &[0x4A]),
-            reads(0xA7, &[0x8F]),
-        ],
-        |bus| {
-            let mut chip = Accelerometer::new(bus);
-            chip.rearm().unwrap();
-            let source = chip.read_source().unwrap();
-            assert!(source.is_active());
-            assert_eq!(source.above(), [true, true, false]);
-            let status = chip.status().unwrap();
-            assert!(status.new_sample() && status.overrun());
-        },
-    );
-    assert!(!AccelSource(0x3F).is_active());
-    assert_eq!(AccelSource(0x20).above(), [false, false, true]);
-    assert!(!Status(0x77).new_sample() && !Status(0x77).overrun());
+fn rearming_reads_reference_and_clearing_reads_the_source() {
+    let frames = [
+        reads(0xA6, &[0x55]),
+        reads(0xB1, &[0x4A]),
+        reads(0xA7, &[0x8F]),
+    ];
+    on_bus(&frames, |bus| {
+        let mut chip = Accelerometer::new(bus);
+        chip.rearm().unwrap();
+        chip.clear_request().unwrap();
+        assert!(chip.status().unwrap().new_sample());
+    });
+    assert!(!Status(0x77).new_sample());
 }
 
 #[test]
@@ -303,24 +268,13 @@ fn a_bus_error_at_any_transaction_ends_the_call_with_that_error() {
     let failed = Err(Error::Bus(ErrorKind::Overrun));
     let fail = || Accelerometer::new(FailingBus { remaining: 0 });
     assert_eq!(fail().check_identity(), failed);
-    assert_eq!(fail().enable_read_back(), failed);
     assert_eq!(fail().configure_interrupt(flight_interrupt()), failed);
     assert_eq!(fail().verify_interrupt(flight_interrupt()), failed);
     assert_eq!(fail().set_threshold(AccelThreshold::MAX), failed);
     assert_eq!(fail().rearm(), failed);
-    assert_eq!(fail().read_source().map(|_| ()), failed);
+    assert_eq!(fail().clear_request(), failed);
     assert_eq!(fail().read_sample().map(|_| ()), failed);
     assert_eq!(fail().status().map(|_| ()), failed);
     let mut read_back_fails = Accelerometer::new(FailingBus { remaining: 1 });
     assert_eq!(read_back_fails.set_threshold(AccelThreshold::MAX), failed);
-}
-
-#[test]
-fn the_bus_is_given_back() {
-    assert_eq!(
-        Accelerometer::new(FailingBus { remaining: 7 })
-            .release()
-            .remaining,
-        7
-    );
 }

@@ -9,9 +9,9 @@ use reflex_drivers::{
     Chip, Error,
     legacy_hal::Lent,
     mpu6050::{
-        ADDRESS, ADDRESS_AD0_HIGH, AccelRange, BURST_LENGTH, BURST_START, GyroRange, ImuConfig,
+        ADDRESS, AccelRange, BURST_LENGTH, BURST_START, GyroRange, ImuBurst, ImuConfig,
         InterruptPin, InterruptSource, InterruptStatus, LowPass, MotionDecrement, MotionDetector,
-        MotionHighPass, MotionStatus, MotionThreshold, Mpu6050,
+        MotionHighPass, MotionThreshold, Mpu6050,
     },
 };
 
@@ -66,15 +66,6 @@ fn identity_is_read_from_0x75_and_another_chip_is_refused() {
             })
         );
     });
-}
-
-#[test]
-fn the_other_address_is_used_when_ad0_is_high() {
-    let mut bus = Mock::new(&[Transaction::write_read(0x69, vec![0x75], vec![0x68])]);
-    Mpu6050::new(bus.clone(), ADDRESS_AD0_HIGH)
-        .check_identity()
-        .unwrap();
-    bus.done();
 }
 
 #[test]
@@ -138,16 +129,6 @@ fn every_choice_lands_in_its_register() {
         read(0x38, 0x41),
     ];
     on_bus(&expected, |mut chip| chip.verify(&config).unwrap());
-    assert_eq!(config.sample_rate().0, 1000.0);
-    assert_eq!(
-        ImuConfig {
-            rate_divider: 3,
-            ..ImuConfig::FLIGHT
-        }
-        .sample_rate()
-        .0,
-        250.0
-    );
 }
 
 /// Verifies a configuration whose register `index` shall hold `value`, and holds something else.
@@ -217,25 +198,6 @@ fn every_motion_high_pass_and_accelerometer_range_has_its_code() {
 }
 
 #[test]
-fn motion_threshold_is_written_and_read_back() {
-    let threshold = MotionThreshold::from_code(9).unwrap();
-    on_bus(&[write(0x1F, 9), read(0x1F, 9)], |mut chip| {
-        chip.set_motion_threshold(threshold).unwrap();
-    });
-    on_bus(&[write(0x1F, 9), read(0x1F, 0)], |mut chip| {
-        assert_eq!(
-            chip.set_motion_threshold(threshold),
-            Err(Error::ReadBack {
-                chip: Chip::Mpu6050,
-                register: 0x1F,
-                wrote: 9,
-                read: 0
-            })
-        );
-    });
-}
-
-#[test]
 fn rearming_resets_the_high_pass_and_sets_it_again_in_two_calls_and_keeps_the_range() {
     let config = ImuConfig {
         motion: Some(MOTION),
@@ -250,44 +212,23 @@ fn rearming_resets_the_high_pass_and_sets_it_again_in_two_calls_and_keeps_the_ra
 }
 
 #[test]
-fn status_registers_tell_what_happened() {
-    on_bus(&[read(0x3A, 0x41), read(0x61, 0x94)], |mut chip| {
-        let status = chip.interrupt_status().unwrap();
-        assert!(status.data_ready() && status.motion());
-        let motion = chip.motion_status().unwrap();
-        assert!(motion.any());
-        assert_eq!(motion.negative(), [true, false, false]);
-        assert_eq!(motion.positive(), [false, true, true]);
-    });
-    assert!(!InterruptStatus(0x3E).data_ready() && !InterruptStatus(0x3E).motion());
-    assert!(!MotionStatus(0x03).any());
-    assert_eq!(MotionStatus(0x68).negative(), [false, true, true]);
-    assert_eq!(MotionStatus(0x40).positive(), [true, false, false]);
-}
-
-#[test]
 fn the_burst_is_fifteen_bytes_from_0x3a() {
     assert_eq!((BURST_START, BURST_LENGTH), (0x3A, 15));
-    let bytes = vec![
-        0x01, 0x08, 0x00, 0xF8, 0x00, 0, 1, 0xF1, 0x60, 0, 164, 0xFF, 92, 0x80, 0,
-    ];
-    on_bus(
-        &[Transaction::write_read(ADDRESS, vec![0x3A], bytes)],
-        |mut chip| {
-            let burst = chip.read_burst().unwrap();
-            assert!(burst.interrupt_status.data_ready());
-            assert_eq!(burst.accel, [2048, -2048, 1]);
-            assert_eq!(burst.temperature, -3744);
-            assert_eq!(burst.gyro, [164, -164, i16::MIN]);
-            assert!(burst.is_clipped());
+    let burst = ImuBurst::from_bytes(&[
+        0x41, 0x08, 0x00, 0xF8, 0x00, 0, 1, 0xF1, 0x60, 0, 164, 0xFF, 92, 0x80, 0,
+    ]);
+    assert!(burst.interrupt_status.data_ready() && burst.interrupt_status.motion());
+    assert_eq!(burst.accel, [2048, -2048, 1]);
+    assert_eq!(burst.temperature, -3744);
+    assert_eq!(burst.gyro, [164, -164, i16::MIN]);
 
-            let [x, y, _] = burst.specific_force(AccelRange::G16);
-            assert_eq!((x.0, y.0), (9.806_65, -9.806_65));
-            let [x, y, _] = burst.angular_rate(GyroRange::Dps2000);
-            assert!((x.0 - 10.0_f32.to_radians()).abs() < 1.0e-6 && x.0 == -y.0);
-            assert!((burst.die_temperature().0 - 25.52).abs() < 0.01);
-        },
-    );
+    let [x, y, _] = burst.specific_force(AccelRange::G16);
+    assert_eq!((x.0, y.0), (9.806_65, -9.806_65));
+    let [x, y, _] = burst.angular_rate(GyroRange::Dps2000);
+    assert!((x.0 - 10.0_f32.to_radians()).abs() < 1.0e-6 && x.0 == -y.0);
+    assert!((burst.die_temperature().0 - 25.52).abs() < 0.01);
+
+    assert!(!InterruptStatus(0x3E).data_ready() && !InterruptStatus(0x3E).motion());
 }
 
 #[test]
@@ -304,25 +245,8 @@ fn a_bus_error_ends_the_call_with_that_error() {
     on_bus(&[write(0x6B, 1).with_error(error)], |mut chip| {
         assert_eq!(chip.configure(&ImuConfig::FLIGHT), failed);
     });
-    on_bus(&[write(0x1F, 255), read_fails(0x1F)], |mut chip| {
-        assert_eq!(chip.set_motion_threshold(MotionThreshold::MAX), failed);
-    });
-    let burst = Transaction::write_read(ADDRESS, vec![0x3A], vec![0; 15]).with_error(error);
-    on_bus(&[burst], |mut chip| {
-        assert_eq!(chip.read_burst().map(|_| ()), failed)
-    });
-    on_bus(&[read_fails(0x3A), read_fails(0x61)], |mut chip| {
-        assert_eq!(chip.interrupt_status().map(|_| ()), failed);
-        assert_eq!(chip.motion_status().map(|_| ()), failed);
-    });
-}
-
-#[test]
-fn the_bus_is_given_back() {
-    on_bus(&[read(0x75, 0x68)], |chip| {
-        Mpu6050::new(chip.release(), ADDRESS)
-            .check_identity()
-            .unwrap();
+    on_bus(&[write(0x1C, 0x18), read_fails(0x1C)], |mut chip| {
+        assert_eq!(chip.release_motion_reference(&ImuConfig::FLIGHT), failed);
     });
 }
 

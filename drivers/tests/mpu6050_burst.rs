@@ -3,21 +3,6 @@
 use proptest::prelude::*;
 use reflex_drivers::mpu6050::{AccelRange, BURST_LENGTH, GyroRange, ImuBurst, InterruptStatus};
 
-#[test]
-fn clipping_is_seen_on_each_axis_of_both_sensors() {
-    assert!(!ImuBurst::default().is_clipped());
-    for axis in 0..3 {
-        for end in [i16::MIN, i16::MAX] {
-            let mut burst = ImuBurst::default();
-            burst.accel[axis] = end;
-            assert!(burst.is_clipped());
-            let mut burst = ImuBurst::default();
-            burst.gyro[axis] = end;
-            assert!(burst.is_clipped());
-        }
-    }
-}
-
 proptest! {
     #[test]
     fn any_burst_decodes_to_its_counts(

@@ -11,7 +11,7 @@ use reflex_drivers::lsm303agr::{Accelerometer, ThreeWire};
 #[test]
 fn enabling_writes_the_bit_before_anything_is_read() {
     on_bus(&[writes(&[0x23, 0x01])], |bus| {
-        ThreeWire::enable(bus).unwrap().release();
+        ThreeWire::enable(bus).unwrap();
     });
     assert_eq!(
         ThreeWire::enable(FailingBus { remaining: 0 }).unwrap_err(),

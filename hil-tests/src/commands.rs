@@ -6,6 +6,7 @@
 mod bar;
 mod bench;
 mod campaign;
+mod declared_options;
 mod flight_numbers;
 mod fly;
 mod graph;

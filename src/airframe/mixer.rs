@@ -142,6 +142,22 @@ impl<const N: usize> Allocation<N> {
         tilt
     }
 
+    /// These steps beside the thrust: scaled where they are wider than an armed motor's range, on
+    /// a thrust that is shifted where they would pass its ends.
+    fn fitted(&self, steps: [f32; N], thrust: Thrust) -> Fitted<N> {
+        let (lowest, highest) = range(&steps);
+        let span = self.span();
+        let cut = highest - lowest > span;
+        let fit = if cut { span / (highest - lowest) } else { 1.0 };
+        let wanted = self.least + thrust.share() * span;
+        let base = min(max(self.least - lowest * fit, wanted), 1.0 - highest * fit);
+        Fitted {
+            shares: steps.map(|step| base + step * fit),
+            cut,
+            shifted: base != wanted,
+        }
+    }
+
     /// A share from the least of an armed motor to 1; what is no number stays so, for the gate
     /// to see.
     fn armed(&self, share: f32) -> f32 {
@@ -153,6 +169,15 @@ impl<const N: usize> Allocation<N> {
             share
         }
     }
+}
+
+/// Shares of steps and thrust, inside the range of every motor.
+struct Fitted<const N: usize> {
+    shares: [f32; N],
+    /// The steps were scaled.
+    cut: bool,
+    /// The thrust is another than that asked for.
+    shifted: bool,
 }
 
 /// The smallest and the largest share.

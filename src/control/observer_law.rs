@@ -1,13 +1,13 @@
 //! The rate loop with an observer: what disturbs is estimated and cancelled.
 //!
-//! A model of the motors tells how a demand moves the rates. What they did besides, behind a
+//! A model of the motors says how a demand moves the rates. What they did besides, behind a
 //! low-pass filter, is the disturbance (Chen et al. 2000, "A nonlinear disturbance observer for
 //! robotic manipulators"; with the filter's corner at infinity, incremental control). It answers
 //! a gust before an error of the rate has been integrated.
 //!
 //! Over a stretch of any length the demand stands and rates move in a line. What the motors give in
 //! it counts by its mean: after a change of the demand the estimate of a stretch of 50 ms is within
-//! 3 % of that change of what many short ones come to.
+//! 3 % of that change of the result of many short ones.
 
 use super::one_pole::along;
 use super::rate_law::RateInput;

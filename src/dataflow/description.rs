@@ -1,4 +1,4 @@
-//! A graph as data, for whoever draws it or tells about it.
+//! A graph as data, for whoever draws it or reports on it.
 
 use super::Dirty;
 

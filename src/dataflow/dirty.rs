@@ -34,12 +34,6 @@ impl Dirty {
         self.0 & of.0 == of.0
     }
 
-    /// True where nothing changed.
-    #[must_use]
-    pub const fn is_clean(self) -> bool {
-        self.0 == 0
-    }
-
     /// The set, leaving nothing behind.
     #[must_use]
     pub const fn take(&mut self) -> Self {
@@ -70,6 +64,6 @@ mod tests {
         assert!(dirty.any(Dirty::bit(31)));
         assert!(!dirty.all(Dirty::bit(31).or(Dirty::bit(0))));
         assert!(dirty.take().all(Dirty::bit(3)));
-        assert!(dirty.is_clean());
+        assert_eq!(dirty, Dirty::CLEAN);
     }
 }

@@ -22,7 +22,7 @@ use crate::settings::gains::cleanflight::Estimate;
 /// The largest bias that is learned, in rad/s: a healthy gyroscope has less at rest.
 const LARGEST_BIAS: f32 = 0.5;
 
-/// What tells the estimate's errors, beside the motion itself.
+/// What shows the estimate's errors, beside the motion itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Evidence {
     /// By how much (rad, clockwise) the heading falls short of a measured one.

@@ -9,7 +9,7 @@
 //! setpoint's thrust ------------------------------------------------+
 //! ```
 //! `motion` sums what the gyroscope and accelerometer measured since the last run; it clocks
-//! every state, so that what they come to does not depend on how often control runs.
+//! every state, so that their values do not depend on how often control runs.
 
 use super::{ControlLogic, standard_inputs, tuned};
 use crate::airframe::{LevelFirst, Mixed, Mixer};

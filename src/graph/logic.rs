@@ -137,7 +137,7 @@ macro_rules! standard_inputs {
     };
 }
 
-/// The same for logics that fly to places; says which thrust they came to.
+/// The same for logics that fly to places; says which thrust they asked for.
 macro_rules! place_inputs {
     ($logic:ident => $thrust:expr) => {
         fn flies_to_goals(&self) -> bool {

@@ -27,7 +27,7 @@ impl Frame {
     }
 }
 
-/// What the drone tells about itself (MAV_STATE in HEARTBEAT).
+/// What the drone says about itself (MAV_STATE in HEARTBEAT).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum Status {

@@ -38,7 +38,7 @@ impl Destination {
     }
 }
 
-/// What a peer may tell the autopilot.
+/// What a peer may send to the autopilot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Message {
     /// The peer is alive (HEARTBEAT).

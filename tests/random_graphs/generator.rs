@@ -1,4 +1,4 @@
-//! Makes up graphs, and writes each as a declaration and as what it must come to.
+//! Makes up graphs: each as a declaration, and as the values that it must compute.
 
 use std::fmt::Write;
 use std::ops::Range;

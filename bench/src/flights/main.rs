@@ -1,6 +1,6 @@
 //! Runs a control logic by the clock and as a graph over a whole flight.
 //!
-//! Every step sets every input, so that both ways must come to the same command, bit by bit: one
+//! Every step sets every input, so that both ways must compute the same command, bit by bit: one
 //! that differs stops the program. The steps come in blocks: whoever watches the function
 //! `refill` writes the next one into memory when the core arrives there, and one without steps
 //! after the last. After each block the log has the digests of all commands so far, of the

@@ -2,9 +2,9 @@
 //!
 //! Whoever watches the function `mark` sees it called before and after each step of each way, in
 //! the order of [`reflex_settings::gains::LOGICS`], ways as in [`reflex_bench::ways`]. The steps stand in
-//! flash: whoever starts the program writes them over those of the file. A way that comes to
-//! another command than ours stops the program; the time-triggered one
-//! only as long as every step sets every input.
+//! flash: whoever starts the program writes them over those of the file. A way that computes
+//! another command than ours stops the program; the time-triggered one only as long as every
+//! step sets every input.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 /// Only the emulated core counts instructions.

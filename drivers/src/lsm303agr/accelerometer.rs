@@ -3,19 +3,18 @@
 use embedded_hal::spi::SpiDevice;
 
 use super::{
-    ACCELEROMETER_IDENTITY, AccelCounts, AccelInterrupt, AccelOutput, AccelPin, AccelSource,
-    AccelThreshold, Status,
+    ACCELEROMETER_IDENTITY, AccelCounts, AccelInterrupt, AccelOutput, AccelPin, AccelThreshold,
+    Status,
     port::Port,
     register::{
-        CTRL_REG3_A, CTRL_REG4_A, INT1_SRC_A, INT1_THS_A, OUT_X_L_A, REFERENCE_A, STATUS_REG_A,
-        WHO_AM_I_A,
+        CTRL_REG3_A, INT1_SRC_A, INT1_THS_A, OUT_X_L_A, REFERENCE_A, STATUS_REG_A, WHO_AM_I_A,
     },
 };
 use crate::error::{Chip, Error, expect_identity};
 
 /// The accelerometer on SPI.
 ///
-/// The [module](super) tells how it starts beside the crate `lsm303agr`.
+/// The [module](super) says how it starts beside the crate `lsm303agr`.
 #[derive(Debug)]
 pub struct Accelerometer<SPI> {
     port: Port<SPI>,
@@ -27,22 +26,6 @@ impl<SPI: SpiDevice> Accelerometer<SPI> {
         Self {
             port: Port::new(spi, Chip::Lsm303agrAccelerometer),
         }
-    }
-
-    /// Gives the bus back; the chip keeps its configuration.
-    pub fn release(self) -> SPI {
-        self.port.release()
-    }
-
-    /// Lets the chip answer on SPI; all other bits of CTRL_REG4_A become 0.
-    ///
-    /// For use without [`super::ThreeWire`]; before the first read, and before full scale and
-    /// resolution are set.
-    ///
-    /// # Errors
-    /// The bus's; `ReadBack` where the chip does not answer.
-    pub fn enable_read_back(&mut self) -> Result<(), Error<SPI::Error>> {
-        self.port.write_checked(CTRL_REG4_A, 0x01)
     }
 
     /// Checks WHO_AM_I_A.
@@ -80,7 +63,7 @@ impl<SPI: SpiDevice> Accelerometer<SPI> {
             self.port.write_checked(address, value)?;
         }
         self.rearm()?;
-        self.read_source().map(|_| ())
+        self.clear_request()
     }
 
     /// Checks by reading what [`Self::configure_interrupt`] wrote.
@@ -107,22 +90,6 @@ impl<SPI: SpiDevice> Accelerometer<SPI> {
         self.port.write_checked(INT1_THS_A, threshold.code())
     }
 
-    /// Checks that the chip still holds `threshold`.
-    ///
-    /// # Errors
-    /// The bus's; `ReadBack`.
-    pub fn verify_threshold(&mut self, threshold: AccelThreshold) -> Result<(), Error<SPI::Error>> {
-        self.port.expect(INT1_THS_A, 0xFF, threshold.code())
-    }
-
-    /// The code that INT1_THS_A holds, whatever it is.
-    ///
-    /// # Errors
-    /// The bus's.
-    pub fn read_threshold_code(&mut self) -> Result<u8, Error<SPI::Error>> {
-        self.port.read(INT1_THS_A)
-    }
-
     /// Snaps the high-pass filter (`ResetByReading`) to the present sample.
     ///
     /// From then on the interrupt means "changed by more than the threshold since this call".
@@ -133,12 +100,12 @@ impl<SPI: SpiDevice> Accelerometer<SPI> {
         self.port.read(REFERENCE_A).map(|_| ())
     }
 
-    /// Reads what the generator found; clears a latched request.
+    /// Clears a latched request, by reading what the generator found.
     ///
     /// # Errors
     /// The bus's.
-    pub fn read_source(&mut self) -> Result<AccelSource, Error<SPI::Error>> {
-        self.port.read(INT1_SRC_A).map(AccelSource)
+    pub fn clear_request(&mut self) -> Result<(), Error<SPI::Error>> {
+        self.port.read(INT1_SRC_A).map(|_| ())
     }
 
     /// Reads the status bits.

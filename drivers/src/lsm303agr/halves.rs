@@ -141,7 +141,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
         let mut chip = Accelerometer::new(&mut self.accel);
         let counts = chip.read_sample()?;
         if let Routing::Threshold(_) = self.accel_state.routing {
-            chip.read_source()?;
+            chip.clear_request()?;
         }
         Ok(accel_sample(counts, self.accel_state.routing.cause()))
     }
@@ -149,7 +149,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
     fn fetch_mag(&mut self) -> Result<Sample, OrderError> {
         let counts = self.read_mag()?;
         if let Routing::Threshold(_) = self.mag_state.routing {
-            Magnetometer::new(&mut self.mag).read_source()?;
+            Magnetometer::new(&mut self.mag).clear_request()?;
         }
         Ok(mag_sample(counts, self.mag_state.routing.cause()))
     }

@@ -3,8 +3,7 @@
 use embedded_hal::spi::SpiDevice;
 
 use super::{
-    MAGNETOMETER_IDENTITY, MagCounts, MagInterrupt, MagOffset, MagPin, MagSource, MagThreshold,
-    Status,
+    MAGNETOMETER_IDENTITY, MagCounts, MagInterrupt, MagOffset, MagPin, MagThreshold, Status,
     port::Port,
     register::{
         CFG_REG_B_M, CFG_REG_C_M, INT_CTRL_REG_M, INT_SOURCE_REG_M, INT_THS_H_REG_M,
@@ -17,7 +16,7 @@ const I2C_DISABLE: u8 = 0x20;
 
 /// The magnetometer on SPI.
 ///
-/// The [module](super) tells how it starts beside the crate `lsm303agr`.
+/// The [module](super) says how it starts beside the crate `lsm303agr`.
 #[derive(Debug)]
 pub struct Magnetometer<SPI> {
     port: Port<SPI>,
@@ -29,11 +28,6 @@ impl<SPI: SpiDevice> Magnetometer<SPI> {
         Self {
             port: Port::new(spi, Chip::Lsm303agrMagnetometer),
         }
-    }
-
-    /// Gives the bus back; the chip keeps its configuration.
-    pub fn release(self) -> SPI {
-        self.port.release()
     }
 
     /// Checks WHO_AM_I_M.
@@ -74,7 +68,7 @@ impl<SPI: SpiDevice> Magnetometer<SPI> {
             .change_checked(CFG_REG_B_M, MagInterrupt::COMPARE_MASK, compare)?;
         self.port
             .write_checked(INT_CTRL_REG_M, interrupt.control())?;
-        self.read_source()?;
+        self.clear_request()?;
         self.set_pin(interrupt.pin)
     }
 
@@ -112,23 +106,11 @@ impl<SPI: SpiDevice> Magnetometer<SPI> {
         self.verify_threshold(threshold)
     }
 
-    /// Checks that the chip still holds `threshold`.
-    ///
-    /// # Errors
-    /// The bus's; `ReadBack` naming the byte that differs.
-    pub fn verify_threshold(&mut self, threshold: MagThreshold) -> Result<(), Error<SPI::Error>> {
+    fn verify_threshold(&mut self, threshold: MagThreshold) -> Result<(), Error<SPI::Error>> {
         let [low, high] = threshold.code().to_le_bytes();
         let [read_low, read_high] = self.port.read_pair(INT_THS_L_REG_M)?;
         expect_register(self.port.chip(), INT_THS_L_REG_M, low, read_low)?;
         expect_register(self.port.chip(), INT_THS_H_REG_M, high, read_high)
-    }
-
-    /// The code that INT_THS holds, whatever it is.
-    ///
-    /// # Errors
-    /// The bus's.
-    pub fn read_threshold_code(&mut self) -> Result<u16, Error<SPI::Error>> {
-        self.port.read_pair(INT_THS_L_REG_M).map(u16::from_le_bytes)
     }
 
     /// Makes `offset` the zero of output and comparator, and checks it.
@@ -142,8 +124,8 @@ impl<SPI: SpiDevice> Magnetometer<SPI> {
     /// The bus's; `ReadBack` naming the byte that differs.
     pub fn set_offset(&mut self, offset: MagOffset) -> Result<(), Error<SPI::Error>> {
         self.port.write_axes(OFFSET_X_REG_L_M, offset.0)?;
-        let read = self.read_offset()?;
-        for ((axis, wrote), read) in (0..).zip(offset.0).zip(read.0) {
+        let read = self.port.read_axes(OFFSET_X_REG_L_M)?;
+        for ((axis, wrote), read) in (0..).zip(offset.0).zip(read) {
             let ([low, high], [read_low, read_high]) = (wrote.to_le_bytes(), read.to_le_bytes());
             let register = OFFSET_X_REG_L_M + 2 * axis;
             expect_register(self.port.chip(), register, low, read_low)?;
@@ -152,20 +134,12 @@ impl<SPI: SpiDevice> Magnetometer<SPI> {
         Ok(())
     }
 
-    /// Reads the offset registers.
+    /// Clears a latched request, by reading what the comparator found.
     ///
     /// # Errors
     /// The bus's.
-    pub fn read_offset(&mut self) -> Result<MagOffset, Error<SPI::Error>> {
-        self.port.read_axes(OFFSET_X_REG_L_M).map(MagOffset)
-    }
-
-    /// Reads what the comparator found; clears a latched request.
-    ///
-    /// # Errors
-    /// The bus's.
-    pub fn read_source(&mut self) -> Result<MagSource, Error<SPI::Error>> {
-        self.port.read(INT_SOURCE_REG_M).map(MagSource)
+    pub fn clear_request(&mut self) -> Result<(), Error<SPI::Error>> {
+        self.port.read(INT_SOURCE_REG_M).map(|_| ())
     }
 
     /// Reads the status bits.

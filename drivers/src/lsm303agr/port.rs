@@ -20,10 +20,6 @@ impl<SPI: SpiDevice> Port<SPI> {
         Self { spi, chip }
     }
 
-    pub(super) fn release(self) -> SPI {
-        self.spi
-    }
-
     pub(super) fn chip(&self) -> Chip {
         self.chip
     }

@@ -33,11 +33,6 @@ impl<SPI: SpiDevice> ThreeWire<SPI> {
         spi.write(&[CTRL_REG4_A, SPI_ENABLE])?;
         Ok(Self { spi })
     }
-
-    /// Gives the bus handle back.
-    pub fn release(self) -> SPI {
-        self.spi
-    }
 }
 
 impl<SPI: SpiDevice> ErrorType for ThreeWire<SPI> {

@@ -91,13 +91,6 @@ impl ImuBurst {
     pub fn die_temperature(&self) -> Celsius {
         Celsius(f32::from(self.temperature) / 340.0 + 36.53)
     }
-
-    /// True where an axis of either sensor is at the end of its range.
-    #[must_use]
-    pub fn is_clipped(&self) -> bool {
-        let at_end = |count: &i16| matches!(*count, i16::MIN | i16::MAX);
-        self.accel.iter().any(at_end) || self.gyro.iter().any(at_end)
-    }
 }
 
 const fn word(high: u8, low: u8) -> i16 {

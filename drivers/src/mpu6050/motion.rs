@@ -134,28 +134,3 @@ impl MotionDetector {
         ]
     }
 }
-
-/// MOT_DETECT_STATUS: which axis moved and which way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
-pub struct MotionStatus(pub u8);
-
-impl MotionStatus {
-    /// Some axis moved.
-    #[must_use]
-    pub const fn any(self) -> bool {
-        self.0 & 0xFC != 0
-    }
-
-    /// Axes that moved in the negative direction: x, y, z.
-    #[must_use]
-    pub const fn negative(self) -> [bool; 3] {
-        [self.0 & 0x80 != 0, self.0 & 0x20 != 0, self.0 & 0x08 != 0]
-    }
-
-    /// Axes that moved in the positive direction: x, y, z.
-    #[must_use]
-    pub const fn positive(self) -> [bool; 3] {
-        [self.0 & 0x40 != 0, self.0 & 0x10 != 0, self.0 & 0x04 != 0]
-    }
-}

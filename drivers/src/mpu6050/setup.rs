@@ -7,7 +7,7 @@ use super::{
         MOT_THR, PWR_MGMT_1, PWR_MGMT_2, SMPLRT_DIV,
     },
 };
-use crate::quantity::{Hertz, MetersPerSecondSquared, RadiansPerSecond, STANDARD_GRAVITY};
+use crate::quantity::{MetersPerSecondSquared, RadiansPerSecond, STANDARD_GRAVITY};
 
 /// Awake, on the PLL of the gyro's X axis: steadier than the oscillator.
 const AWAKE_ON_GYRO_CLOCK: u8 = 0x01;
@@ -96,17 +96,6 @@ pub enum LowPass {
     Hz5,
 }
 
-impl LowPass {
-    /// Rate that the sample-rate divider starts from.
-    #[must_use]
-    pub const fn gyro_rate(self) -> Hertz {
-        match self {
-            Self::Hz256 => Hertz(8000.0),
-            _ => Hertz(1000.0),
-        }
-    }
-}
-
 /// What drives the INT pin, active high and push-pull.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
@@ -160,12 +149,6 @@ impl ImuConfig {
         interrupt: InterruptSource::DataReady,
         pin: InterruptPin::Pulse,
     };
-
-    /// Nominal rate of samples; the chip's own may be off by a per cent or more.
-    #[must_use]
-    pub fn sample_rate(&self) -> Hertz {
-        Hertz(self.low_pass.gyro_rate().0 / (1.0 + f32::from(self.rate_divider)))
-    }
 
     /// Addresses and values in the order of writing: awake first, pin last.
     pub fn registers(&self) -> [(u8, u8); 11] {

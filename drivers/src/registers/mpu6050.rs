@@ -19,8 +19,6 @@ registers! { name:
     INT_ENABLE = 0x38,
     /// What happened; reading it clears it.
     INT_STATUS = 0x3A,
-    /// Axis and direction of a detected motion.
-    MOT_DETECT_STATUS = 0x61,
     /// Counting of the motion detector.
     MOT_DETECT_CTRL = 0x69,
     /// Sleep and clock source.

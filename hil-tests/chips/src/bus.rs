@@ -2,8 +2,8 @@
 //!
 //! Faults (silence, stuck lines, wrong bytes) wrap a chip behind these traits.
 
-/// A chip on an I2C bus, seen byte by byte.
-pub trait I2cChip: Send {
+/// A chip as seen beside its bus.
+pub trait Chip: Send {
     /// Produces every sample and pin change due until `now_ns`.
     fn advance(&mut self, now_ns: u64);
     /// The next instant at which the interrupt pin can change, in ns.
@@ -12,6 +12,10 @@ pub trait I2cChip: Send {
     fn next_event(&self) -> u64;
     /// Level of the interrupt pin at the last instant the chip was advanced to.
     fn interrupt(&self) -> bool;
+}
+
+/// A chip on an I2C bus, seen byte by byte.
+pub trait I2cChip: Chip {
     /// START or repeated START with an address; whether the chip acknowledges.
     fn start(&mut self, now_ns: u64, address: u8, read: bool) -> bool;
     /// A byte from the master; whether the chip acknowledges.
@@ -23,15 +27,7 @@ pub trait I2cChip: Send {
 }
 
 /// A chip on an SPI bus, seen byte by byte while its chip select is active.
-pub trait SpiChip: Send {
-    /// Produces every sample and pin change due until `now_ns`.
-    fn advance(&mut self, now_ns: u64);
-    /// The next instant at which the interrupt pin can change, in ns.
-    ///
-    /// `u64::MAX` when nothing is due, for example in power-down.
-    fn next_event(&self) -> u64;
-    /// Level of the interrupt pin at the last instant the chip was advanced to.
-    fn interrupt(&self) -> bool;
+pub trait SpiChip: Chip {
     /// Chip select becomes active: the next byte is a command.
     fn select(&mut self, now_ns: u64);
     /// Eight clocks: the byte on MOSI in, the byte seen on MISO out.
@@ -40,7 +36,7 @@ pub trait SpiChip: Send {
     fn deselect(&mut self, now_ns: u64);
 }
 
-impl<C: SpiChip + ?Sized> SpiChip for Box<C> {
+impl<C: Chip + ?Sized> Chip for Box<C> {
     fn advance(&mut self, now_ns: u64) {
         (**self).advance(now_ns);
     }
@@ -52,7 +48,9 @@ impl<C: SpiChip + ?Sized> SpiChip for Box<C> {
     fn interrupt(&self) -> bool {
         (**self).interrupt()
     }
+}
 
+impl<C: SpiChip + ?Sized> SpiChip for Box<C> {
     fn select(&mut self, now_ns: u64) {
         (**self).select(now_ns);
     }

@@ -10,8 +10,8 @@
 //! A model is advanced lazily: every entry takes `now_ns` and first produces
 //! all samples due until then. The samples depend on the seed, the signal and
 //! the configuration alone, never on how often a chip is asked.
-//! [`I2cChip::next_event`] and [`SpiChip::next_event`] name the next instant at
-//! which an interrupt pin can change, so that a board can be there in time.
+//! [`Chip::next_event`] names the next instant at which the interrupt pin can
+//! change, so that a board can be there in time.
 //!
 //! **Terms.** *Stimulus*: the true motion and field at the chip, in the chip's
 //! own axes ([`Stimulus`]). *Code*: what a register holds.
@@ -29,8 +29,7 @@ mod shared;
 pub mod stimulus;
 pub mod testing;
 
-pub use bus::{I2cChip, SpiChip};
-pub use lsm303agr::Lsm303agr;
+pub use bus::{Chip, I2cChip, SpiChip};
 pub use mpu6050::Mpu6050;
 pub use options::{ChipOptions, Present};
 pub use own_clock::{Die, OwnClock};

@@ -26,7 +26,7 @@ use motion::MotionDetector;
 use registers::{Command, Registers, Setup};
 use sampling::Sampler;
 
-use super::bus::I2cChip;
+use super::bus::{Chip, I2cChip};
 use super::options::ChipOptions;
 use super::stimulus::StimulusSource;
 
@@ -213,7 +213,7 @@ impl Mpu6050 {
     }
 }
 
-impl I2cChip for Mpu6050 {
+impl Chip for Mpu6050 {
     fn advance(&mut self, now_ns: u64) {
         while let Some(tick) = self.sampler.tick(now_ns, &self.setup) {
             if tick.accel {
@@ -240,7 +240,9 @@ impl I2cChip for Mpu6050 {
     fn interrupt(&self) -> bool {
         self.interrupt.level(&self.registers)
     }
+}
 
+impl I2cChip for Mpu6050 {
     fn start(&mut self, now_ns: u64, address: u8, read: bool) -> bool {
         self.advance(now_ns);
         if address != Self::ADDRESS {

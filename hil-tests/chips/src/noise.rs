@@ -3,9 +3,8 @@
 //! Noise is drawn once per sample, present or not in the registers, so that it
 //! belongs to the sample's index and not to the moment somebody looks.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal, Uniform};
+use random_streams::{Generator, generator};
 
 /// Which random stream of a seed is meant; no two purposes share one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,23 +27,17 @@ pub enum Stream {
     Lsm303agrMagnetometerOscillator,
 }
 
-fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
-    let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    generator.set_stream(stream as u64);
-    generator
-}
-
 /// White Gaussian noise on three axes.
 #[derive(Clone, Debug)]
 pub struct Noise {
-    generator: Option<ChaCha8Rng>,
+    generator: Option<Generator>,
 }
 
 impl Noise {
     /// Noise from one stream of a seed; `enabled: false` is silence.
     pub fn new(seed: u64, stream: Stream, enabled: bool) -> Self {
         Self {
-            generator: enabled.then(|| generator(seed, stream)),
+            generator: enabled.then(|| generator(seed, stream as u64)),
         }
     }
 
@@ -65,7 +58,7 @@ impl Noise {
 pub fn symmetric(seed: u64, stream: Stream) -> f64 {
     Uniform::new_inclusive(-1.0, 1.0)
         .expect("-1 to 1 is a valid range")
-        .sample(&mut generator(seed, stream))
+        .sample(&mut generator(seed, stream as u64))
 }
 
 #[cfg(test)]

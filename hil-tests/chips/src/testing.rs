@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::bus::{I2cChip, SpiChip};
+use super::bus::{Chip, I2cChip, SpiChip};
 use super::options::ChipOptions;
 use super::stimulus::{STANDARD_GRAVITY, Stimulus, StimulusSource};
 
@@ -132,47 +132,19 @@ pub fn big(bytes: &[u8]) -> [i16; 3] {
 }
 
 /// Follows `next_event` until `end_ns`; instants of the pin's rising edges.
-pub fn rising_edges<C: ?Sized>(
-    chip: &mut C,
-    end_ns: u64,
-    advance: impl Fn(&mut C, u64),
-    next: impl Fn(&C) -> u64,
-    level: impl Fn(&C) -> bool,
-) -> Vec<u64> {
+pub fn rising_edges(chip: &mut dyn Chip, end_ns: u64) -> Vec<u64> {
     let mut edges = Vec::new();
-    let mut before = level(chip);
+    let mut before = chip.interrupt();
     loop {
-        let at_ns = next(chip);
+        let at_ns = chip.next_event();
         if at_ns > end_ns {
             return edges;
         }
-        advance(chip, at_ns);
-        let now = level(chip);
+        chip.advance(at_ns);
+        let now = chip.interrupt();
         if now && !before {
             edges.push(at_ns);
         }
         before = now;
     }
-}
-
-/// Rising edges of an I2C chip's interrupt pin.
-pub fn i2c_edges(chip: &mut dyn I2cChip, end_ns: u64) -> Vec<u64> {
-    rising_edges(
-        chip,
-        end_ns,
-        |chip, at| chip.advance(at),
-        |chip| chip.next_event(),
-        |chip| chip.interrupt(),
-    )
-}
-
-/// Rising edges of an SPI chip's interrupt pin.
-pub fn spi_edges(chip: &mut dyn SpiChip, end_ns: u64) -> Vec<u64> {
-    rising_edges(
-        chip,
-        end_ns,
-        |chip, at| chip.advance(at),
-        |chip| chip.next_event(),
-        |chip| chip.interrupt(),
-    )
 }

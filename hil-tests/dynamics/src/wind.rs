@@ -10,8 +10,7 @@ mod gust;
 use std::f64::consts::PI;
 
 use nalgebra::Vector3;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use random_streams::generator;
 
 use crate::environment::{Environment, Shelter, WindClimate};
 use crate::range::Unfit;
@@ -28,12 +27,6 @@ const FADING: f64 = PI / 12.0;
 enum Stream {
     Turbulence = 1,
     Gusts,
-}
-
-fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
-    let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    generator.set_stream(stream as u64);
-    generator
 }
 
 /// The wind of one place and seed.
@@ -53,9 +46,13 @@ impl Wind {
     pub fn new(environment: &Environment, seed: u64) -> Result<Self, Unfit> {
         environment.check()?;
         let climate = &environment.wind;
-        let gusts = generator(seed, Stream::Gusts);
+        let gusts = generator(seed, Stream::Gusts as u64);
         let mut wind = Self {
-            turbulence: Turbulence::new(climate, INTERVAL, generator(seed, Stream::Turbulence)),
+            turbulence: Turbulence::new(
+                climate,
+                INTERVAL,
+                generator(seed, Stream::Turbulence as u64),
+            ),
             gusts: climate
                 .gusts
                 .map(|of| GustTrain::new(of, climate.nominal_airspeed, gusts)),

@@ -8,8 +8,8 @@
 
 use clap::ValueEnum;
 use nalgebra::{Vector2, Vector3};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use rand_distr::{Distribution, StandardUniform};
+use random_streams::generator;
 
 /// Height flown at, m (Bregu et al. 2016, section 7.1).
 pub const HEIGHT_M: f64 = 5.0;
@@ -134,8 +134,11 @@ pub(super) fn wrapped(angle: f64) -> f64 {
 }
 
 fn waypoints(side_m: f64, seed: u64) -> Vec<Vector2<f64>> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut coordinate = move || (uniform(&mut random) - 0.5) * side_m;
+    let mut random = generator(seed, 0);
+    let mut coordinate = move || {
+        let share: f64 = StandardUniform.sample(&mut random);
+        (share - 0.5) * side_m
+    };
     let mut corners: Vec<Vector2<f64>> = Vec::with_capacity(WAYPOINTS);
     while corners.len() < WAYPOINTS {
         let corner = Vector2::new(coordinate(), coordinate());
@@ -145,11 +148,6 @@ fn waypoints(side_m: f64, seed: u64) -> Vec<Vector2<f64>> {
         }
     }
     corners
-}
-
-/// A number within 0 to 1.
-pub(super) fn uniform(random: &mut impl Rng) -> f64 {
-    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
 }
 
 #[cfg(test)]

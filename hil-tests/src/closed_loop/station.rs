@@ -13,9 +13,8 @@ use mavlink::dialects::common::{
     SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
+use random_streams::{Generator, generator};
 use reflex_config::plant::Tracking;
 
 use super::mission::Target;
@@ -38,7 +37,7 @@ pub(super) struct Station {
     tracking: Tracking,
     /// For control logics that fly attitudes.
     outer: Option<OuterLoop>,
-    noise: ChaCha8Rng,
+    noise: Generator,
     /// Reports sent so far.
     reports: u64,
     heartbeats: u64,
@@ -49,12 +48,10 @@ pub(super) struct Station {
 impl Station {
     /// One whose drone flies to goals by itself, or takes attitudes.
     pub(super) fn new(flies_to_goals: bool, tracking: &Tracking, seed: u64) -> Self {
-        let mut noise = ChaCha8Rng::seed_from_u64(seed);
-        noise.set_stream(STREAM);
         Self {
             tracking: tracking.clone(),
             outer: (!flies_to_goals).then(OuterLoop::default),
-            noise,
+            noise: generator(seed, STREAM),
             reports: 0,
             heartbeats: 0,
             arms: 0,

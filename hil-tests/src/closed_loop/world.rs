@@ -7,12 +7,11 @@ use std::sync::Arc;
 use anyhow::{Result, anyhow};
 use flight_dynamics::{self as dynamics, Drone, Start, State};
 use nalgebra::Vector3;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardUniform};
+use random_streams::generator;
 use reflex_config::plant::{self, Environment, Vehicle};
 use reflex_config::{Airframe, Spin};
 
-use super::mission::uniform;
 use super::sensed_motion::SensedMotion;
 use super::tier::Applied;
 use chip_models::Stimulus;
@@ -202,9 +201,8 @@ fn weather_of(environment: &Environment, seed: u64) -> dynamics::Environment {
         field_gauss: [north, down],
         ..
     } = environment;
-    let mut chance = ChaCha8Rng::seed_from_u64(seed);
-    chance.set_stream(STREAM);
-    let aside = 2.0 * uniform(&mut chance) - 1.0;
+    let chance: f64 = StandardUniform.sample(&mut generator(seed, STREAM));
+    let aside = 2.0 * chance - 1.0;
     let from = (wind.from_deg + aside * wind.spread_deg).to_radians();
     let airspeed = wind.mean_m_s.max(SLOWEST_AIR);
     dynamics::Environment {

@@ -1,9 +1,8 @@
 //! Numbers of a simulated flight, declared as the autopilot's settings are.
 
-use clap::{ArgMatches, Args, Command, FromArgMatches};
 use reflex_settings::{Kind, Setting, Value, above, within};
 
-use super::settings_arguments::{argument, refused};
+use super::declared_options::{Declarations, Given, refused};
 use crate::refusal::Refusal;
 
 pub(super) const BANDWIDTH: &Setting = &number(
@@ -38,8 +37,6 @@ pub(super) const PLANT_DELAY: &Setting = &number(
     "Stress: how much later motor commands apply",
 );
 
-const ALL: [&Setting; 5] = [BANDWIDTH, DURATION, CLOCK, PLANT_GAIN, PLANT_DELAY];
-
 /// A number with its option, unit, default and meaning.
 const fn number(
     [option, value]: [&'static str; 2],
@@ -54,11 +51,22 @@ const fn number(
         .meaning(meaning)
 }
 
-/// The numbers that are given. Others are those of their declarations.
-#[derive(Clone, Debug, Default)]
-pub(super) struct FlightNumbers(Vec<(&'static Setting, Value)>);
+/// All of them.
+#[derive(Clone, Debug)]
+pub(super) struct Numbers;
 
-impl FlightNumbers {
+impl Declarations for Numbers {
+    const ALL: &'static [Setting] = &[*BANDWIDTH, *DURATION, *CLOCK, *PLANT_GAIN, *PLANT_DELAY];
+
+    fn remark(setting: &Setting) -> String {
+        format!(" [default: {}]", setting.default)
+    }
+}
+
+/// The numbers that are given. Others are those of their declarations.
+pub(super) type FlightNumbers = Given<Numbers>;
+
+impl Given<Numbers> {
     /// A number, given or declared.
     ///
     /// # Errors
@@ -81,42 +89,6 @@ impl FlightNumbers {
 
     /// What is given for a number, if anything.
     pub(super) fn given(&self, setting: &'static Setting) -> Option<Value> {
-        let mut given = self.0.iter().filter(|(of, _)| *of == setting);
-        given.next().map(|(_, value)| *value)
-    }
-}
-
-impl Args for FlightNumbers {
-    fn augment_args(command: Command) -> Command {
-        let with_default = |setting: &'static Setting| {
-            argument(setting).map(|argument| {
-                argument.help(format!(
-                    "{}: {} [default: {}]",
-                    setting.meaning,
-                    setting.range(),
-                    setting.default
-                ))
-            })
-        };
-        ALL.into_iter()
-            .filter_map(with_default)
-            .fold(command, Command::arg)
-    }
-
-    fn augment_args_for_update(command: Command) -> Command {
-        Self::augment_args(command)
-    }
-}
-
-impl FromArgMatches for FlightNumbers {
-    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let given =
-            |setting: &'static Setting| Some((setting, *matches.get_one::<Value>(setting.name)?));
-        Ok(Self(ALL.into_iter().filter_map(given).collect()))
-    }
-
-    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        *self = Self::from_arg_matches(matches)?;
-        Ok(())
+        self.of(setting.name)
     }
 }

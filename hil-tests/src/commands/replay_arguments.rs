@@ -17,7 +17,7 @@ use crate::sweep::{Parameter, SweepOptions};
 use recorded_flights::Rotate;
 
 /// The options of a replay. Defaults are those of `config/`; no option needs a rebuild.
-#[derive(Clone, Debug, Default, Args)]
+#[derive(Clone, Debug, Args)]
 pub(super) struct ReplayArguments {
     /// Recorded flight, ULog or CSV, or a folder of them with --sweep [default: the one that comes with the crate ulog-rs]
     #[arg(value_name = "LOG")]

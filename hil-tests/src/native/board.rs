@@ -9,7 +9,6 @@
 
 use std::sync::Arc;
 
-use embedded_hal::i2c::I2c;
 use reflex::app::{Autopilot, Call, Recorder, Stamped};
 use reflex::reactive::Refit;
 use reflex::sensors::Input;
@@ -19,7 +18,8 @@ use reflex::tasks::imu::Guard;
 use reflex::tasks::link::Link;
 use reflex::tasks::mpu6050::{CONFIG, Sensor};
 use reflex::time::Instant;
-use reflex_drivers::mpu6050::{self, BURST_LENGTH};
+use reflex_drivers::legacy_hal::Lent;
+use reflex_drivers::mpu6050::{ADDRESS, BURST_LENGTH, Mpu6050 as Mpu6050Driver};
 
 use super::agenda::{Agenda, Event};
 use super::line::Line;
@@ -32,9 +32,6 @@ use crate::ground_station::LinkFrame;
 use crate::logics::{AnyLogic, Start};
 use crate::record::{ChipState, OfChips};
 use chip_models::{ChipOptions, DIES, Mpu6050, StimulusSource};
-
-/// What the crate `mpu6050` writes first: awake, on the gyro's clock.
-const IMU_WAKE: [u8; 2] = [mpu6050::register::PWR_MGMT_1, 0x01];
 
 /// Every call with its stamp.
 #[derive(Debug, Default)]
@@ -127,16 +124,17 @@ impl NativeBoard {
         board
     }
 
-    /// Whatever does not answer is set up again later, as on the board.
+    /// As the board does it; whatever does not answer is set up again later.
     fn start_up(&mut self) {
         self.spi_time.set_ns(CHIPS_START_NS);
         for input in Input::OF_CHIPS {
             let _ = self.chips.set_up(input);
         }
         self.imu_bus.time.set_ns(IMU_WAKE_NS);
-        let _ = self.imu_bus.write(mpu6050::ADDRESS, &IMU_WAKE);
+        let mut delay = self.imu_bus.time.clone();
+        let _ = mpu6050::Mpu6050::new(Lent(&mut self.imu_bus)).init(&mut Lent(&mut delay));
         self.imu_bus.time.set_ns(IMU_START_NS);
-        let _ = mpu6050::Mpu6050::new(&mut self.imu_bus, mpu6050::ADDRESS).configure(&CONFIG);
+        let _ = Mpu6050Driver::new(&mut self.imu_bus, ADDRESS).configure(&CONFIG);
         self.agenda.set(Event::Timer, BOOT_NS);
         self.watch_imu();
         self.watch_chips();

@@ -49,7 +49,7 @@ impl Line {
         let start_ns = frame.at_ns.max(self.free_ns);
         self.free_ns = start_ns + frame.bytes.len() as u64 * CHARACTER_NS;
         self.on_line = Some(frame);
-        // The receiver takes the line for idle after one character more, and tells after another.
+        // The receiver takes the line for idle after one character more, and says so after another.
         Some(self.free_ns + 2 * CHARACTER_NS)
     }
 

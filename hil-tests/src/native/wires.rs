@@ -8,10 +8,11 @@ use std::cell::{Cell, RefCell};
 use std::convert::Infallible;
 use std::rc::Rc;
 
+use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::{self, ErrorKind, I2c, NoAcknowledgeSource};
 use embedded_hal::spi::{self, SpiDevice};
 
-use chip_models::{I2cChip, Mpu6050, OwnClock, SpiChip};
+use chip_models::{Chip, I2cChip, Mpu6050, OwnClock, SpiChip};
 
 /// A byte on SPI at 5.25 MHz, with the instructions around it, ns.
 const SPI_BYTE_NS: u64 = 1_600;
@@ -21,37 +22,6 @@ const SPI_SELECT_NS: u64 = 1_000;
 const I2C_BYTE_NS: u64 = 22_500;
 /// START, repeated START or STOP, ns.
 const I2C_CONDITION_NS: u64 = 1_000;
-
-/// What all the models have in common.
-pub(crate) trait Model {
-    fn advance(&mut self, now_ns: u64);
-    fn next_event(&self) -> u64;
-    fn interrupt(&self) -> bool;
-}
-
-/// Names the trait by which a chip is seen on its bus.
-macro_rules! model {
-    ($($chip:ty: $bus:ident,)*) => {
-        $(impl Model for $chip {
-            fn advance(&mut self, now_ns: u64) {
-                $bus::advance(self, now_ns);
-            }
-
-            fn next_event(&self) -> u64 {
-                $bus::next_event(self)
-            }
-
-            fn interrupt(&self) -> bool {
-                $bus::interrupt(self)
-            }
-        })*
-    };
-}
-
-model! {
-    Mpu6050: I2cChip,
-    Box<dyn OwnClock>: SpiChip,
-}
 
 /// A chip and its interrupt line.
 pub(crate) struct Wired<C> {
@@ -63,7 +33,7 @@ pub(crate) struct Wired<C> {
     pub(crate) rises: Vec<u64>,
 }
 
-impl<C: Model> Wired<C> {
+impl<C: Chip> Wired<C> {
     fn look(&mut self, now_ns: u64) {
         let before = std::mem::replace(&mut self.level, self.chip.interrupt());
         if self.level && !before {
@@ -82,7 +52,7 @@ impl<C> Clone for Wire<C> {
     }
 }
 
-impl<C: Model> Wire<C> {
+impl<C: Chip> Wire<C> {
     pub(super) fn new(chip: C) -> Self {
         let wired = Wired {
             chip,
@@ -130,6 +100,13 @@ impl BusTime {
     fn pass(&self, length_ns: u64) -> u64 {
         self.0.set(self.0.get() + length_ns);
         self.0.get()
+    }
+}
+
+/// A delay is time in which the bus is not used.
+impl DelayNs for BusTime {
+    fn delay_ns(&mut self, length_ns: u32) {
+        self.pass(u64::from(length_ns));
     }
 }
 

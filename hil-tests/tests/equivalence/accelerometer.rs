@@ -21,7 +21,7 @@ use reflex_drivers::lsm303agr::{
 use super::comparison::{Comparison, Decision, Sample, Tally};
 use super::ports::SpiPort;
 use super::streams::{Dice, Kind, Stream};
-use chip_models::bus::SpiChip;
+use chip_models::bus::Chip;
 use chip_models::lsm303agr::Accelerometer;
 use chip_models::stimulus::STANDARD_GRAVITY;
 use chip_models::testing::{real, write_spi};
@@ -179,7 +179,7 @@ impl Rig {
         chip.advance(now_ns);
         let mut port = driver(&mut chip, now_ns);
         port.rearm().expect("the bus works");
-        port.read_source().expect("the bus works");
+        port.clear_request().expect("the bus works");
         let first = whole(port.read_sample().expect("the bus works"), mode);
         let threshold = f32::from(code) * CODE;
         Self {
@@ -198,7 +198,7 @@ impl Rig {
         let fired = self.chip.interrupt();
         let mut port = driver(&mut self.chip, at_ns);
         let sample = port.read_sample().expect("the bus works");
-        port.read_source().expect("the bus works");
+        port.clear_request().expect("the bus works");
         self.comparison.decide(whole(sample, self.mode), fired)
     }
 

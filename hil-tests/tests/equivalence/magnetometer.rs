@@ -19,7 +19,7 @@ use reflex_drivers::lsm303agr::{
 use super::comparison::{Comparison, Decision, Sample, Tally};
 use super::ports::SpiPort;
 use super::streams::{Dice, Kind, Stream};
-use chip_models::bus::SpiChip;
+use chip_models::bus::Chip;
 use chip_models::lsm303agr::Magnetometer;
 use chip_models::testing::{real, write_spi};
 
@@ -87,7 +87,7 @@ fn watch(
         let fired = chip.interrupt();
         let mut port = driver(&mut chip, at_ns);
         let difference = port.read_sample().expect("the bus works");
-        port.read_source().expect("the bus works");
+        port.clear_request().expect("the bus works");
         let (field, sample) = whole(difference, offset);
         if let Some(comparison) = &mut comparison {
             judge(&comparison.decide(sample, fired));

@@ -14,17 +14,18 @@
 
 use std::sync::Arc;
 
+use embedded_hal::i2c::I2c;
 use reflex::math::Vec3;
 use reflex::settings::Reference;
 use reflex_drivers::mpu6050::{
-    ADDRESS, ImuBurst, ImuConfig, InterruptSource, MotionDecrement, MotionDetector, MotionHighPass,
-    MotionThreshold, Mpu6050 as Driver,
+    ADDRESS, BURST_LENGTH, BURST_START, ImuBurst, ImuConfig, InterruptSource, MotionDecrement,
+    MotionDetector, MotionHighPass, MotionThreshold, Mpu6050 as Driver,
 };
 
 use super::comparison::{Comparison, Decision, Sample, Tally};
 use super::ports::I2cPort;
 use super::streams::{Dice, Kind, Stream};
-use chip_models::bus::I2cChip;
+use chip_models::bus::Chip;
 use chip_models::stimulus::STANDARD_GRAVITY;
 use chip_models::testing::real;
 use chip_models::{ChipOptions, Mpu6050, StimulusSource};
@@ -110,8 +111,12 @@ impl Rig {
     }
 
     pub fn driver(&mut self) -> Driver<I2cPort<'_>> {
+        Driver::new(self.port(), ADDRESS)
+    }
+
+    fn port(&mut self) -> I2cPort<'_> {
         let (chip, now_ns) = (&mut self.chip, self.now_ns);
-        Driver::new(I2cPort { chip, now_ns }, ADDRESS)
+        I2cPort { chip, now_ns }
     }
 
     /// The newest sample's instant.
@@ -126,12 +131,11 @@ impl Rig {
             self.now_ns = self.chip.next_event();
             self.chip.advance(self.now_ns);
         }
-        let ImuBurst {
-            accel,
-            interrupt_status,
-            ..
-        } = self.driver().read_burst().expect("the bus works");
-        (accel, interrupt_status.motion())
+        let mut bytes = [0; BURST_LENGTH];
+        let read = self.port().write_read(ADDRESS, &[BURST_START], &mut bytes);
+        read.expect("the bus works");
+        let burst = ImuBurst::from_bytes(&bytes);
+        (burst.accel, burst.interrupt_status.motion())
     }
 
     /// Re-arms the detector; the sample that it will compare with.

@@ -5,8 +5,7 @@
 //! nothing is clipped. The original takes each motor's share as symmetric about zero; here its
 //! true extremes are kept, which matters where yaw comes with roll.
 
-use super::{Allocation, Sharing, range};
-use crate::math::{max, min};
+use super::{Allocation, Sharing};
 use crate::units::{Thrust, TorqueDemand};
 
 /// All three axes alike.
@@ -22,21 +21,12 @@ impl Sharing for Evenly {
         torque: TorqueDemand,
         thrust: Thrust,
     ) -> ([f32; N], bool) {
-        let (least, span) = (motors.least, motors.span());
         let mut turn = motors.tilt(torque);
         for (turn, yaw) in turn.iter_mut().zip(&motors.yaw) {
             *turn += yaw * torque.0.z;
         }
-        let (lowest, highest) = range(&turn);
-        let saturated = highest - lowest > span;
-        let fit = if saturated {
-            span / (highest - lowest)
-        } else {
-            1.0
-        };
-        let wanted = least + thrust.share() * span;
-        let base = min(max(least - lowest * fit, wanted), 1.0 - highest * fit);
-        (turn.map(|turn| motors.armed(base + turn * fit)), saturated)
+        let fitted = motors.fitted(turn, thrust);
+        (fitted.shares.map(|share| motors.armed(share)), fitted.cut)
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A drone that is level can be saved, one that keeps its heading cannot.
 
-use super::{Allocation, Sharing, range};
+use super::{Allocation, Sharing};
 use crate::math::{max, min};
 use crate::units::{Thrust, TorqueDemand};
 
@@ -17,22 +17,13 @@ impl Sharing for LevelFirst {
         torque: TorqueDemand,
         thrust: Thrust,
     ) -> ([f32; N], bool) {
-        let (least, span) = (motors.least, motors.span());
-        let tilt = motors.tilt(torque);
-        let (lowest, highest) = range(&tilt);
-        let fit = if highest - lowest > span {
-            span / (highest - lowest)
-        } else {
-            1.0
-        };
-        let wanted = least + thrust.share() * span;
-        let base = min(max(least - lowest * fit, wanted), 1.0 - highest * fit);
-        let mut shares = tilt.map(|tilt| base + tilt * fit);
+        let fitted = motors.fitted(motors.tilt(torque), thrust);
+        let mut shares = fitted.shares;
         let yaw_fit = motors.yaw_headroom(&shares, torque.0.z);
         for (share, yaw) in shares.iter_mut().zip(&motors.yaw) {
             *share = motors.armed(*share + yaw * torque.0.z * yaw_fit);
         }
-        (shares, fit < 1.0 || base != wanted || yaw_fit < 1.0)
+        (shares, fitted.cut || fitted.shifted || yaw_fit < 1.0)
     }
 }
 

@@ -1,4 +1,4 @@
-//! What an error and its limits come to over a stretch of time between rare runs.
+//! An error and its limits over a stretch of time between rare runs.
 //!
 //! Known are its start, its end and its integral. Steps of a millisecond would see it pass zero
 //! or a limit in between; these forms do so in closed form.

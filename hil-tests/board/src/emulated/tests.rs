@@ -7,7 +7,7 @@ mod runs;
 use std::sync::{Arc, Mutex};
 
 use super::Sensors;
-use chip_models::{DIES, I2cChip, SpiChip};
+use chip_models::{Chip, DIES, I2cChip, SpiChip};
 
 /// A chip that only has an interrupt pin, high between two instants.
 #[derive(Clone, Copy, Debug, Default)]
@@ -17,29 +17,22 @@ struct Pulse {
     now_ns: u64,
 }
 
-impl Pulse {
-    fn next(&self) -> u64 {
+impl Chip for Pulse {
+    fn advance(&mut self, now_ns: u64) {
+        self.now_ns = now_ns;
+    }
+    fn next_event(&self) -> u64 {
         let ahead = [self.from_ns, self.to_ns]
             .into_iter()
             .filter(|&at| at > self.now_ns);
         ahead.min().unwrap_or(u64::MAX)
     }
-
-    fn level(&self) -> bool {
+    fn interrupt(&self) -> bool {
         (self.from_ns..self.to_ns).contains(&self.now_ns)
     }
 }
 
 impl I2cChip for Pulse {
-    fn advance(&mut self, now_ns: u64) {
-        self.now_ns = now_ns;
-    }
-    fn next_event(&self) -> u64 {
-        self.next()
-    }
-    fn interrupt(&self) -> bool {
-        self.level()
-    }
     fn start(&mut self, _: u64, _: u8, _: bool) -> bool {
         false
     }
@@ -53,15 +46,6 @@ impl I2cChip for Pulse {
 }
 
 impl SpiChip for Pulse {
-    fn advance(&mut self, now_ns: u64) {
-        self.now_ns = now_ns;
-    }
-    fn next_event(&self) -> u64 {
-        self.next()
-    }
-    fn interrupt(&self) -> bool {
-        self.level()
-    }
     fn select(&mut self, _: u64) {}
     fn transfer(&mut self, _: u64, mosi: u8) -> u8 {
         mosi

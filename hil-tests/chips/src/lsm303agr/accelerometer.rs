@@ -15,7 +15,7 @@ use super::accelerometer_sampling::{Sample, Sampler, justify};
 use super::generator::{self, Generator};
 use super::output::Outputs;
 use super::spi::{Addressing, Byte, Transaction};
-use crate::bus::SpiChip;
+use crate::bus::{Chip, SpiChip};
 use crate::filter::HighPass;
 use crate::options::ChipOptions;
 use crate::own_clock::OwnClock;
@@ -279,7 +279,7 @@ impl OwnClock for Accelerometer {
     }
 }
 
-impl SpiChip for Accelerometer {
+impl Chip for Accelerometer {
     fn advance(&mut self, now_ns: u64) {
         while let Some(sample) = self.sampler.sample(now_ns, &self.setup) {
             self.take(sample);
@@ -303,7 +303,9 @@ impl SpiChip for Accelerometer {
                 || routed(0x10, self.outputs.ready()),
         )
     }
+}
 
+impl SpiChip for Accelerometer {
     fn select(&mut self, now_ns: u64) {
         self.advance(now_ns);
         self.spi.select();

@@ -14,7 +14,7 @@ use super::magnetometer_registers::{self as map, Mode, Registers};
 use super::magnetometer_threshold::Threshold;
 use super::output::Outputs;
 use super::spi::{Addressing, Byte, Transaction};
-use crate::bus::SpiChip;
+use crate::bus::{Chip, SpiChip};
 use crate::filter::HighPass;
 use crate::noise::{Noise, Stream};
 use crate::options::ChipOptions;
@@ -238,7 +238,7 @@ impl OwnClock for Magnetometer {
     }
 }
 
-impl SpiChip for Magnetometer {
+impl Chip for Magnetometer {
     fn advance(&mut self, now_ns: u64) {
         while let Some(at_ns) = self.clock.as_mut().and_then(|clock| clock.tick(now_ns)) {
             self.measure(at_ns);
@@ -258,7 +258,9 @@ impl SpiChip for Magnetometer {
         routed(INTERRUPT_ON_PIN) && self.threshold.level(&self.registers)
             || routed(DATA_READY_ON_PIN) && self.outputs.ready()
     }
+}
 
+impl SpiChip for Magnetometer {
     fn select(&mut self, now_ns: u64) {
         self.advance(now_ns);
         self.spi.select();

@@ -277,7 +277,7 @@ fn a_brown_out_in_flight_looks_like_power_on() {
     assert_eq!(chip.next_event(), u64::MAX);
     assert_eq!(chip.register(PWR_MGMT_1), 0x40);
     write_i2c(&mut chip, 20 * MS, &FLIGHT);
-    assert_eq!(i2c_edges(&mut chip, 22 * MS), [21 * MS, 22 * MS]);
+    assert_eq!(rising_edges(&mut chip, 22 * MS), [21 * MS, 22 * MS]);
 }
 
 #[test]
@@ -287,7 +287,7 @@ fn sleep_stops_the_samples_and_waking_starts_a_new_period() {
     chip.advance(100 * MS);
     assert_eq!(chip.samples(), 1);
     write_i2c(&mut chip, 100 * MS + 500, &[(PWR_MGMT_1, 0x01)]);
-    assert_eq!(i2c_edges(&mut chip, 102 * MS), [101 * MS + 500]);
+    assert_eq!(rising_edges(&mut chip, 102 * MS), [101 * MS + 500]);
 }
 
 #[test]

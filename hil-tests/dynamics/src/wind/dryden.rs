@@ -6,8 +6,8 @@
 //! values at the instants asked for have the covariance of the continuous process.
 
 use nalgebra::Vector3;
-use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use random_streams::Generator;
 
 use crate::environment::WindClimate;
 
@@ -35,7 +35,7 @@ fn scales(climate: &WindClimate) -> (Scale, Scale) {
     (horizontal, vertical)
 }
 
-fn draw(generator: &mut ChaCha8Rng) -> f64 {
+fn draw(generator: &mut Generator) -> f64 {
     StandardNormal.sample(generator)
 }
 
@@ -48,7 +48,7 @@ struct First {
 }
 
 impl First {
-    fn new(scale: Scale, airspeed: f64, dt: f64, generator: &mut ChaCha8Rng) -> Self {
+    fn new(scale: Scale, airspeed: f64, dt: f64, generator: &mut Generator) -> Self {
         let keep = (-dt * airspeed / scale.length).exp();
         Self {
             keep,
@@ -57,7 +57,7 @@ impl First {
         }
     }
 
-    fn next(&mut self, generator: &mut ChaCha8Rng) -> f64 {
+    fn next(&mut self, generator: &mut Generator) -> f64 {
         self.value = self.keep * self.value + self.kick * draw(generator);
         self.value
     }
@@ -85,7 +85,7 @@ fn root([first, both, second]: [f64; 3]) -> [f64; 3] {
 }
 
 impl Second {
-    fn new(scale: Scale, airspeed: f64, dt: f64, generator: &mut ChaCha8Rng) -> Self {
+    fn new(scale: Scale, airspeed: f64, dt: f64, generator: &mut Generator) -> Self {
         let x = dt * airspeed / scale.length;
         let decay = (-2.0 * x).exp();
         // Integrals of exp(-2 y), y exp(-2 y) and y^2 exp(-2 y) from 0 to x.
@@ -105,7 +105,7 @@ impl Second {
         }
     }
 
-    fn next(&mut self, generator: &mut ChaCha8Rng) -> f64 {
+    fn next(&mut self, generator: &mut Generator) -> f64 {
         let (one, two) = (draw(generator), draw(generator));
         let [a, b, c] = self.kick;
         let [first, second] = self.lags;
@@ -121,7 +121,7 @@ impl Second {
 /// Turbulence of a place, in steps of a fixed time.
 #[derive(Clone, Debug)]
 pub struct Turbulence {
-    generator: ChaCha8Rng,
+    generator: Generator,
     along: First,
     across: Second,
     down: Second,
@@ -131,7 +131,7 @@ pub struct Turbulence {
 
 impl Turbulence {
     /// Turbulence in steps of `dt` seconds, in its steady state from the start.
-    pub fn new(climate: &WindClimate, dt: f64, mut generator: ChaCha8Rng) -> Self {
+    pub fn new(climate: &WindClimate, dt: f64, mut generator: Generator) -> Self {
         let (horizontal, vertical) = scales(climate);
         let speed = climate.nominal_airspeed;
         let level = Vector3::new(climate.mean.x, climate.mean.y, 0.0);

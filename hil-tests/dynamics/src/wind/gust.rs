@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector3;
-use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Exp1, StandardUniform};
+use random_streams::Generator;
 
 use crate::environment::Gusts;
 
@@ -13,7 +13,7 @@ use crate::environment::Gusts;
 pub struct GustTrain {
     of: Gusts,
     airspeed: f64,
-    generator: ChaCha8Rng,
+    generator: Generator,
     heading: Vector3<f64>,
     /// Time since the gust began, s; negative before.
     since: f64,
@@ -21,7 +21,7 @@ pub struct GustTrain {
 
 impl GustTrain {
     /// Gusts carried past at `airspeed` m/s; the first comes after its own interval.
-    pub fn new(of: Gusts, airspeed: f64, generator: ChaCha8Rng) -> Self {
+    pub fn new(of: Gusts, airspeed: f64, generator: Generator) -> Self {
         let mut train = Self {
             of,
             airspeed,

@@ -60,7 +60,7 @@ fn the_flight_that_comes_with_the_crates_is_flown_reactively() {
     assert!(report.score.duration_s > 68.0);
 }
 
-/// Where the foreseen command or the gyroscope tells first, the chips have nothing to say; and what
+/// Where the foreseen command or the gyroscope reports first, the chips have nothing to say; and what
 /// calls for a run with less certainty is finer than one of their codes.
 fn led_by_the_angle() -> Settings {
     Settings {

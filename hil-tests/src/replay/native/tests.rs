@@ -195,7 +195,7 @@ fn a_supply_dip_of_an_accelerometer_that_compares_is_noticed() {
         return;
     };
     let flight = Flight::read(&log, Rotate::Auto).expect("a flight");
-    // Where the gyroscope tells first, the chip has nothing to say; and what calls for a run with
+    // Where the gyroscope reports first, the chip has nothing to say; and what calls for a run with
     // less certainty is finer than one of its codes.
     let settings = Settings {
         triggers: Inputs::NONE.with(Input::ChipAccel).with(Input::Turned),

@@ -1,11 +1,13 @@
 //! The accelerometer die against numbers worked out from its datasheet.
 
+use std::sync::Arc;
+
 use proptest::prelude::*;
 
 use super::super::accelerometer_registers::*;
 use super::super::*;
 use crate::testing::*;
-use crate::{ChipOptions, Present};
+use crate::{Chip, ChipOptions, Present, StimulusSource};
 
 /// 100 Hz high resolution, +-4 g, block data update, three wires.
 const FLIGHT: [(u8, u8); 2] = [(CTRL_REG4_A, 0x99), (CTRL_REG1_A, 0x57)];
@@ -182,7 +184,7 @@ fn status_and_data_ready_pin_follow_the_data() {
     let mut chip = chip(lively(), exact(), &[(CTRL_REG3_A, 0x10)]);
     assert!(!chip.interrupt());
     assert_eq!(
-        spi_edges(&mut chip, 80 * MS),
+        rising_edges(&mut chip, 80 * MS),
         [70 * MS],
         "it stays high until read"
     );
@@ -230,7 +232,7 @@ fn a_latched_interrupt_holds_the_pin_until_its_source_is_read() {
     let bump = force_g(|t| [f64::from(u8::from((0.195..0.215).contains(&t))), 0.0, 0.0]);
     let mut chip = chip(bump, exact(), &ANY_HIGH);
     write_spi(&mut chip, 0, &[(CTRL_REG4_A, 0x91), (INT1_THS_A, 10)]);
-    assert_eq!(spi_edges(&mut chip, 500 * MS), [200 * MS]);
+    assert_eq!(rising_edges(&mut chip, 500 * MS), [200 * MS]);
     assert!(chip.interrupt());
     assert_eq!(read_accel(&mut chip, 500 * MS, INT1_SRC_A, 1), [0x42]);
     assert!(!chip.interrupt());
@@ -249,7 +251,7 @@ fn the_duration_counts_samples() {
         ];
         let mut chip = chip(step(), exact(), &ANY_HIGH);
         write_spi(&mut chip, 0, &extra);
-        assert_eq!(spi_edges(&mut chip, 500 * MS), [first_ms * MS]);
+        assert_eq!(rising_edges(&mut chip, 500 * MS), [first_ms * MS]);
     }
 }
 

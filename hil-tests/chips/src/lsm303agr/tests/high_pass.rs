@@ -1,8 +1,11 @@
 //! The accelerometer's high-pass filter, its resets and its routing.
 
+use std::sync::Arc;
+
 use super::super::accelerometer_registers::*;
 use super::super::*;
 use crate::testing::*;
+use crate::{Chip, StimulusSource};
 
 /// Generator 1 on high-passed data, latched on the pin, 100 Hz normal mode.
 fn chip(source: Arc<dyn StimulusSource>, filter: u8, threshold: u8) -> Accelerometer {
@@ -38,7 +41,7 @@ fn codes(chip: &mut Accelerometer, at_ns: u64) -> [i16; 3] {
 #[test]
 fn without_a_snap_gravity_trips_the_generator_after_power_up() {
     let mut chip = chip(sideways(9.0), 0x31, 10);
-    assert_eq!(spi_edges(&mut chip, 100 * MS), [10 * MS]);
+    assert_eq!(rising_edges(&mut chip, 100 * MS), [10 * MS]);
     assert_eq!(chip.register(INT1_SRC_A), 0x60);
 }
 
@@ -47,13 +50,13 @@ fn reading_the_reference_in_mode_0_makes_the_present_sample_zero() {
     let mut chip = chip(sideways(0.195), 0x31, 10);
     snap(&mut chip, 15 * MS);
     assert!(
-        spi_edges(&mut chip, 190 * MS).is_empty(),
+        rising_edges(&mut chip, 190 * MS).is_empty(),
         "at rest nothing trips"
     );
-    assert_eq!(spi_edges(&mut chip, 300 * MS), [200 * MS]);
+    assert_eq!(rising_edges(&mut chip, 300 * MS), [200 * MS]);
     snap(&mut chip, 305 * MS);
     assert_eq!(
-        spi_edges(&mut chip, SECOND),
+        rising_edges(&mut chip, SECOND),
         Vec::<u64>::new(),
         "the new posture is the zero"
     );
@@ -98,13 +101,13 @@ fn mode_3_resets_itself_at_the_interrupt() {
     chip.advance(15 * MS);
     read_accel(&mut chip, 15 * MS, INT1_SRC_A, 1);
     assert_eq!(
-        spi_edges(&mut chip, 190 * MS),
+        rising_edges(&mut chip, 190 * MS),
         Vec::<u64>::new(),
         "gravity tripped once, then was zero"
     );
-    assert_eq!(spi_edges(&mut chip, 300 * MS), [200 * MS]);
+    assert_eq!(rising_edges(&mut chip, 300 * MS), [200 * MS]);
     read_accel(&mut chip, 300 * MS, INT1_SRC_A, 1);
-    assert!(spi_edges(&mut chip, SECOND).is_empty());
+    assert!(rising_edges(&mut chip, SECOND).is_empty());
     assert_eq!(chip.triggers(), [2, 0]);
 }
 
@@ -122,7 +125,11 @@ fn filtered_data_reaches_the_outputs_only_with_fds() {
 fn a_generator_without_its_filter_bit_sees_raw_data() {
     let mut chip = chip(sideways(9.0), 0x32, 10);
     snap(&mut chip, 15 * MS);
-    assert_eq!(spi_edges(&mut chip, 100 * MS), [20 * MS], "gravity again");
+    assert_eq!(
+        rising_edges(&mut chip, 100 * MS),
+        [20 * MS],
+        "gravity again"
+    );
 }
 
 #[test]

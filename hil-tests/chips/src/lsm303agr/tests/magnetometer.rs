@@ -1,11 +1,13 @@
 //! The magnetometer die against numbers worked out from its datasheet.
 
+use std::sync::Arc;
+
 use proptest::prelude::*;
 
 use super::super::magnetometer_registers::*;
 use super::super::*;
 use crate::testing::*;
-use crate::{ChipOptions, Present};
+use crate::{Chip, ChipOptions, Present, StimulusSource};
 
 /// 100 Hz continuous, block data update.
 const FLIGHT: [(u8, u8); 2] = [(CFG_REG_C_M, 0x10), (CFG_REG_A_M, 0x0C)];
@@ -122,7 +124,7 @@ fn written_with_a_sample_the_offsets_make_an_exact_detector_of_change() {
     let sample = codes(&mut chip, 15 * MS);
     write_offsets(&mut chip, 15 * MS, sample);
     read_mag(&mut chip, 15 * MS, INT_SOURCE_REG_M, 1);
-    assert_eq!(spi_edges(&mut chip, SECOND), [100 * MS]);
+    assert_eq!(rising_edges(&mut chip, SECOND), [100 * MS]);
     assert_eq!(read_mag(&mut chip, SECOND, INT_SOURCE_REG_M, 1), [0x81]);
     assert_eq!(
         chip.triggers(),
@@ -136,7 +138,7 @@ fn without_int_on_data_off_the_field_itself_is_compared() {
     let mut chip = chip(stepped(), exact(), &CHANGE);
     write_offsets(&mut chip, 0, [200, 0, 0]);
     write_spi(&mut chip, 0, &[(CFG_REG_B_M, 0x00), (INT_THS_L_REG_M, 150)]);
-    assert_eq!(spi_edges(&mut chip, SECOND), [10 * MS]);
+    assert_eq!(rising_edges(&mut chip, SECOND), [10 * MS]);
 }
 
 #[test]
@@ -235,7 +237,7 @@ fn the_pin_stays_low_until_a_signal_is_routed_to_it() {
 #[test]
 fn data_ready_on_the_pin_lasts_until_the_data_is_read() {
     let mut chip = chip(lively(), exact(), &[(CFG_REG_C_M, 0x11)]);
-    assert_eq!(spi_edges(&mut chip, 15 * MS), [10 * MS]);
+    assert_eq!(rising_edges(&mut chip, 15 * MS), [10 * MS]);
     assert_eq!(read_mag(&mut chip, 15 * MS, STATUS_REG_M, 1), [0x0F]);
     codes(&mut chip, 15 * MS);
     assert!(!chip.interrupt());

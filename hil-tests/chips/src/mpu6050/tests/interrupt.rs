@@ -9,7 +9,7 @@ use crate::testing::*;
 fn data_ready_pulses_for_50_us_per_sample() {
     let mut chip = chip(lively(), exact());
     assert_eq!(
-        i2c_edges(&mut chip, 5 * MS),
+        rising_edges(&mut chip, 5 * MS),
         [1, 2, 3, 4, 5].map(|n| n * MS)
     );
     assert!(chip.interrupt());

@@ -34,7 +34,7 @@ fn chip(source: Arc<dyn StimulusSource>, extra: &[(u8, u8)]) -> Mpu6050 {
 fn a_held_zero_detects_a_lasting_change_after_the_duration() {
     // 0.4 g passes 0.32 g in the second filtered sample at 101 ms; three counts.
     let mut chip = chip(stepped([0.0, 0.0, 0.4]), &[]);
-    let edges = i2c_edges(&mut chip, 300 * MS);
+    let edges = rising_edges(&mut chip, 300 * MS);
     assert_eq!(edges, [103 * MS], "{edges:?}");
     assert_eq!(read_i2c(&mut chip, 300 * MS, INT_STATUS, 1), [MOTION]);
 }
@@ -141,7 +141,7 @@ fn detection_waits_for_the_accelerometer_to_start() {
     let moving = || force_g(|t| [f64::from(u8::from(t > 0.0015)), 0.0, 0.0]);
     let first = |control| {
         let mut chip = chip(moving(), &[(MOT_DUR, 1), (MOT_DETECT_CTRL, control)]);
-        i2c_edges(&mut chip, 50 * MS).first().copied()
+        rising_edges(&mut chip, 50 * MS).first().copied()
     };
     assert_eq!(first(0x00), Some(5 * MS));
     assert_eq!(first(0x30), Some(8 * MS));

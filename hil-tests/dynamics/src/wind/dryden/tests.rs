@@ -1,6 +1,6 @@
 //! Variance, correlation and spectrum against the standard's formulas.
 
-use rand_chacha::rand_core::SeedableRng;
+use random_streams::generator;
 
 use super::*;
 use crate::environment::Environment;
@@ -33,7 +33,7 @@ fn scales_at_20_ft_and_at_1000_ft_are_the_standards() {
 
 /// A long run of each form.
 fn runs(samples: usize) -> (Vec<f64>, Vec<f64>) {
-    let mut generator = ChaCha8Rng::seed_from_u64(1);
+    let mut generator = generator(1, 0);
     let mut first = First::new(SCALE, AIRSPEED, STEP, &mut generator);
     let mut second = Second::new(SCALE, AIRSPEED, STEP, &mut generator);
     (0..samples)
@@ -102,7 +102,7 @@ fn spectra_are_the_standards() {
 #[test]
 fn a_step_in_two_halves_has_the_covariance_of_one() {
     // Keep and kick of 2 x follow from those of x if the discretisation is exact.
-    let mut generator = ChaCha8Rng::seed_from_u64(1);
+    let mut generator = generator(1, 0);
     let half = Second::new(SCALE, AIRSPEED, STEP, &mut generator);
     let whole = Second::new(SCALE, AIRSPEED, 2.0 * STEP, &mut generator);
     let [a, b, c] = half.kick;

@@ -9,10 +9,11 @@ use crate::progress::Progress;
 use crate::toolchain;
 
 /// Crates of the workspace, each with those of them that it may depend on; tests may use more.
-const CRATES: [(&str, &str); 13] = [
-    ("chip-models", ""),
+const CRATES: [(&str, &str); 14] = [
+    ("random-streams", ""),
+    ("chip-models", "random-streams"),
     ("emulated-board", "chip-models"),
-    ("flight-dynamics", ""),
+    ("flight-dynamics", "random-streams"),
     ("recorded-flights", "chip-models"),
     ("reflex-settings", ""),
     ("reflex-drivers", ""),
@@ -27,15 +28,16 @@ const CRATES: [(&str, &str); 13] = [
     ("reflex-bench", "reflex reflex-bench-macros reflex-settings"),
     (
         "hil-tests",
-        "chip-models emulated-board flight-dynamics recorded-flights \
+        "chip-models emulated-board flight-dynamics random-streams recorded-flights \
          reflex reflex-bench reflex-config reflex-drivers reflex-settings",
     ),
 ];
-/// The four of `hil-tests/` below `hil-tests` itself: not even their tests may use the autopilot.
-const HOST: [&str; 4] = [
+/// Those of `hil-tests/` below `hil-tests` itself: not even their tests may use the autopilot.
+const HOST: [&str; 5] = [
     "chip-models",
     "emulated-board",
     "flight-dynamics",
+    "random-streams",
     "recorded-flights",
 ];
 /// The autopilot and its settings.
