@@ -5,7 +5,7 @@
 //! nothing is clipped. The original takes each motor's share as symmetric about zero; here its
 //! true extremes are kept, which matters where yaw comes with roll.
 
-use super::{Allocation, Sharing, range};
+use super::{Allocation, Shared, Sharing, range};
 use crate::math::{max, min};
 use crate::units::{Thrust, TorqueDemand};
 
@@ -21,7 +21,7 @@ impl Sharing for Evenly {
         motors: &Allocation<N>,
         torque: TorqueDemand,
         thrust: Thrust,
-    ) -> ([f32; N], bool) {
+    ) -> Shared<N> {
         let (least, span) = (motors.least, motors.span());
         let mut turn = motors.tilt(torque);
         for (turn, yaw) in turn.iter_mut().zip(&motors.yaw) {
@@ -36,7 +36,11 @@ impl Sharing for Evenly {
         };
         let wanted = least + thrust.share() * span;
         let base = min(max(least - lowest * fit, wanted), 1.0 - highest * fit);
-        (turn.map(|turn| motors.armed(base + turn * fit)), saturated)
+        Shared {
+            shares: turn.map(|turn| motors.armed(base + turn * fit)),
+            cut: saturated,
+            spare: f32::INFINITY,
+        }
     }
 }
 

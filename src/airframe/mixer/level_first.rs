@@ -2,7 +2,7 @@
 //!
 //! A drone that is level can be saved, one that keeps its heading cannot.
 
-use super::{Allocation, Sharing, range};
+use super::{Allocation, Shared, Sharing, range};
 use crate::math::{max, min};
 use crate::units::{Thrust, TorqueDemand};
 
@@ -16,7 +16,7 @@ impl Sharing for LevelFirst {
         motors: &Allocation<N>,
         torque: TorqueDemand,
         thrust: Thrust,
-    ) -> ([f32; N], bool) {
+    ) -> Shared<N> {
         let (least, span) = (motors.least, motors.span());
         let tilt = motors.tilt(torque);
         let (lowest, highest) = range(&tilt);
@@ -32,7 +32,11 @@ impl Sharing for LevelFirst {
         for (share, yaw) in shares.iter_mut().zip(&motors.yaw) {
             *share = motors.armed(*share + yaw * torque.0.z * yaw_fit);
         }
-        (shares, fit < 1.0 || base != wanted || yaw_fit < 1.0)
+        Shared {
+            shares,
+            cut: fit < 1.0 || base != wanted || yaw_fit < 1.0,
+            spare: f32::INFINITY,
+        }
     }
 }
 
