@@ -44,6 +44,8 @@ numbered! {
         LinkFrame,
         /// A goal that the logic cannot fly to, or without a fresh place: not used.
         Goal,
+        /// Predicted commands missed twice in a row: they are foreseen exactly for a while.
+        Prediction,
     }
 }
 
@@ -51,7 +53,9 @@ impl Fault {
     /// The sensor behind an input fell silent.
     pub(super) fn silent(input: Input) -> Self {
         match input {
-            Input::Gyro | Input::Accel | Input::Turned | Input::Command => Self::ImuSilent,
+            Input::Gyro | Input::Accel | Input::Turned | Input::Command | Input::Owed => {
+                Self::ImuSilent
+            }
             Input::ChipAccel => Self::AccelSilent,
             Input::ChipMag => Self::MagSilent,
         }
@@ -60,7 +64,9 @@ impl Fault {
     /// The sensor behind an input repeats one sample.
     pub(super) fn stuck(input: Input) -> Self {
         match input {
-            Input::Gyro | Input::Accel | Input::Turned | Input::Command => Self::ImuStuck,
+            Input::Gyro | Input::Accel | Input::Turned | Input::Command | Input::Owed => {
+                Self::ImuStuck
+            }
             Input::ChipAccel => Self::AccelStuck,
             Input::ChipMag => Self::MagStuck,
         }

@@ -68,7 +68,9 @@ fn half(input: Input) -> Result<Half, OrderError> {
     match input {
         Input::ChipAccel => Ok(Half::Accel),
         Input::ChipMag => Ok(Half::Mag),
-        Input::Gyro | Input::Accel | Input::Turned | Input::Command => Err(OrderError::Identity),
+        Input::Gyro | Input::Accel | Input::Turned | Input::Command | Input::Owed => {
+            Err(OrderError::Identity)
+        }
     }
 }
 

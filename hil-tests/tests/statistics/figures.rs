@@ -23,6 +23,7 @@ use recorded_flights::recordings::flights;
 /// Which inputs are shown, and in which of the settings: one in which the input is fitted.
 const PANELS: [(Input, usize); Input::COUNT] = [
     (Input::Command, 0),
+    (Input::Owed, 3),
     (Input::Gyro, 1),
     (Input::Turned, 2),
     (Input::Accel, 1),
@@ -39,6 +40,7 @@ fn unit_of(input: Input) -> String {
     match input.declaration().unit {
         Unit::Named(unit) => unit.replace("s2", "s²"),
         Unit::Quantum => "share of full scale".to_owned(),
+        Unit::QuantumTime => "share of full scale times s".to_owned(),
     }
 }
 
