@@ -25,7 +25,10 @@ use crate::estimate::{Motion, Place};
 use crate::graph::{ControlLogic, Flown, Tuned};
 use crate::link::{Answer, Destination, ExternalPose, Message};
 use crate::math::wrapped;
-use crate::reactive::{FallbackReason, Fit, PhaseEvent, Reactive, Refit, RefitJob, Review, Run};
+use crate::reactive::{
+    Column, FallbackReason, Fit, Foresight, PhaseEvent, Reactive, Refit, RefitJob, Review, Run,
+    Situation, Sounding,
+};
 use crate::safety::{Arming, ArmingEvent, MotorOutput, Passed, Refusal, Safety};
 use crate::sensors::{ChipSample, ImuReading, Input, Inputs};
 use crate::settings::{Settings, Start};
@@ -71,7 +74,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         Self {
             sensing: Sensing::new(&settings),
             demand: Demand::default(),
-            reactive: Reactive::new(&settings),
+            reactive: Reactive::new(&settings, &graph),
             graph,
             safety: Safety::new(motors),
             chips: Chips::new(&settings),
@@ -153,8 +156,15 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         let motion = self.sensing.motion();
         let (rates, force) = (motion.rotation.rates.0, self.sensing.force().0);
         self.reactive.take_motion(rates, force, motion.sums.angle);
-        if self.reactive.foresees() {
-            self.foresee(at, &motion);
+        match self.reactive.foresight() {
+            Foresight::None => {}
+            Foresight::Predicted => {
+                let record = &mut self.record;
+                let tell = |input, label: &_| record.label(input, label);
+                let changed = self.reactive.take_predicted(at, &motion, tell);
+                self.record.judged(at, changed);
+            }
+            Foresight::Exact => self.foresee(at, &motion),
         }
     }
 
@@ -162,7 +172,12 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     fn foresee(&mut self, at: Instant, motion: &Motion) {
         self.graph.take(motion, self.sensing.heading_error(at));
         let foreseen = self.graph.foresee();
-        self.reactive.take_foreseen(&foreseen.shares);
+        let (held, record) = (self.safety.applied(), &mut self.record);
+        let tell = |input, label: &_| record.label(input, label);
+        let changed = self
+            .reactive
+            .take_foreseen(at, &foreseen.shares, held, motion, tell);
+        self.record.judged(at, changed);
         if foreseen.saturated != self.graph.mixed().saturated {
             self.advance(at);
         }
@@ -192,7 +207,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         let run = Run {
             at: now,
             reason,
-            moved: motion.sums.dt > 0.0,
+            motion,
             before: &passed.before,
             applied: &applied,
         };
@@ -200,12 +215,15 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         let judged = self
             .reactive
             .learn(&run, |input, label| record.label(input, label));
+        self.record.judged(now, judged.last);
         if let Some(reason) = self.reactive.passed_limit() {
             self.move_phase(PhaseEvent::Fail(reason));
         }
         self.review_models(now);
-        self.reactive
-            .on_run(&run, motion.sums.angle, self.graph.flown());
+        let (command, flown) = (self.graph.mixed(), self.graph.flown());
+        if !self.reactive.on_run(&run, command, flown) {
+            self.record.fault(Fault::Prediction);
+        }
         self.chips.on_run();
         let ran = Ran {
             reason,
@@ -243,7 +261,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         if motion.sums.dt > 0.0 {
             self.graph.take(&motion, self.sensing.heading_error(now));
             self.graph.run();
-            self.reactive.on_advance(motion.sums.angle);
+            self.reactive
+                .on_advance(&motion, self.graph.mixed(), self.safety.applied());
         }
     }
 
@@ -412,7 +431,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
                 velocity: pose.velocity,
                 dt,
             });
-            self.graph.run();
+            self.join();
         }
         if let Some(attitude) = pose.attitude {
             let error = wrapped(attitude.heading() - self.graph.estimate().heading());
@@ -430,7 +449,14 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             }
             Flight::Goal(goal) => self.graph.fly_to(Some(goal)),
         }
+        self.join();
+    }
+
+    /// The graph takes what joined it; the motors keep their command.
+    fn join(&mut self) {
         self.graph.run();
+        self.reactive
+            .on_joined(self.graph.mixed(), &self.sensing.motion());
     }
 
     fn on_arm(&mut self, arm: bool) -> (Next, Option<Answer>) {
@@ -502,6 +528,34 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     #[must_use]
     pub fn refit_due(&self, now: Instant) -> Option<RefitJob> {
         self.reactive.refit_due(now)
+    }
+
+    /// The control logic, copied, where it is to be sounded: in idle, without a lock.
+    #[must_use]
+    pub fn sounding_due(&self, now: Instant) -> Option<Sounding<L>>
+    where
+        L: Clone,
+    {
+        let situation = Situation {
+            rotation: self.sensing.motion().rotation,
+            force: self.sensing.force().0,
+            heading: self.sensing.heading_error(now),
+        };
+        self.reactive.sounding_due(now, &self.graph, &situation)
+    }
+
+    /// Takes what a sounding found of one feature of motion.
+    pub fn on_column(&mut self, now: Instant, column: Column) {
+        self.record.call(now, Call::Column(column));
+        if !self.reactive.on_column(&column) {
+            self.record.fault(Fault::NotFinite);
+        }
+    }
+
+    /// A sounding ended.
+    pub fn on_sounded(&mut self, now: Instant) {
+        self.record.call(now, Call::Sounded);
+        self.reactive.on_sounded(now);
     }
 
     /// Swaps a fit in and forgets a little; the next run judges what it means.

@@ -8,7 +8,7 @@ mod mahony;
 mod openpilot;
 mod place;
 
-pub use arrival::{Arrival, Increment, Motion, Rotation};
+pub use arrival::{Arrival, Increment, Motion, Rotation, trusted_down};
 pub use attitude::{AttitudeFilter, Corrections};
 pub use calibration::{AtRest, GyroCalibration};
 pub use mahony::{Evidence, MahonyFilter};

@@ -4,7 +4,7 @@
 
 mod logic;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use logic::{ControlLogic, Tuned};
 

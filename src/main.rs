@@ -278,6 +278,12 @@ mod app {
                     let fit = job.fit();
                     autopilot.lock(|pilot| pilot.on_refit(now(), fit));
                 }
+                if let Some(sounding) = autopilot.lock(|pilot| pilot.sounding_due(now())) {
+                    for column in sounding.columns() {
+                        autopilot.lock(|pilot| pilot.on_column(now(), column));
+                    }
+                    autopilot.lock(|pilot| pilot.on_sounded(now()));
+                }
                 let mut next = |_| autopilot.lock(|pilot| pilot.next_event());
                 for event in (0..MOST_EVENTS).map_while(&mut next) {
                     defmt::info!("{}", event);

@@ -25,6 +25,8 @@ mod learners;
 mod limits;
 mod logistic;
 mod outcome;
+mod owed;
+mod prediction;
 mod sample;
 mod schedule;
 mod setpoints;
@@ -32,7 +34,7 @@ mod shadow_holds;
 mod supervisor;
 mod watch;
 
-pub use decision::Decision;
+pub use decision::{Decision, Rest};
 pub use exploration::Exploration;
 pub use fit::{Fit, Refit, RefitJob};
 pub use labels::{BIN_COUNT, Label, Labels};
@@ -40,22 +42,28 @@ pub use learners::changes_of;
 pub use limits::Limits;
 pub use logistic::Logistic;
 pub use outcome::Outcome;
+pub use owed::{Course, Impulse};
+pub use prediction::{Column, Feature, Situation, Sounding};
 pub use sample::Sample;
 pub use schedule::{Next, Reason};
-pub use shadow_holds::{Held, Lead, Rule, ShadowHolds, differs};
+pub use shadow_holds::{Commanded, Held, Lead, Rule, ShadowHolds, differs};
 pub use supervisor::{FallbackReason, Phase, PhaseEvent, Supervisor};
 pub use watch::Watch;
 
-use crate::airframe::MotorShares;
+use crate::airframe::{Mixed, MotorShares};
 use crate::config::{AEROBATICS, REFIT_INTERVAL};
 use crate::control::{Goal, Setpoint};
-use crate::math::Vec3;
+use crate::estimate::Motion;
+use crate::graph::ControlLogic;
+use crate::math::{Vec3, min};
 use crate::sensors::{Cause, ChipSample, Input, Inputs};
 use crate::settings::{Reference, Settings};
 use crate::time::{Instant, span};
 use hyperperiod::GATES;
-use judgement::Judgement;
+use judgement::{Judgement, Verdict};
 use learners::Learners;
+use owed::Budget;
+use prediction::Prediction;
 use schedule::Schedule;
 use setpoints::SetpointQuanta;
 
@@ -67,10 +75,22 @@ pub struct Reactive {
     setpoints: SetpointQuanta,
     supervisor: Supervisor,
     judgement: Judgement,
+    prediction: Prediction,
     /// The control logic took motion that no run has taught by yet.
     advanced: bool,
     /// Models were swapped in that no run has reviewed yet.
     unreviewed: bool,
+}
+
+/// What is wanted of the command that a run would compute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Foresight {
+    /// Nothing.
+    None,
+    /// A prediction from the motion since the last run.
+    Predicted,
+    /// The command itself.
+    Exact,
 }
 
 /// A run of the control logic, as the trigger rule sees it.
@@ -80,8 +100,8 @@ pub struct Run<'a> {
     pub at: Instant,
     /// Why.
     pub reason: Reason,
-    /// It took motion; without new motion a command cannot change.
-    pub moved: bool,
+    /// The motion that it took; without one a command cannot change.
+    pub motion: &'a Motion,
     /// The command that was applied until now.
     pub before: &'a MotorShares,
     /// The command that is applied now.
@@ -95,8 +115,10 @@ pub struct Judged {
     pub asked: Inputs,
     /// The largest probability of a changed command by a model that asked; `None` without one.
     pub expected: Option<f32>,
-    /// The command moved by a quantum or more.
-    pub changed: bool,
+    /// The command moved by a quantum or more; `None` where time must show what it repays.
+    pub changed: Option<bool>,
+    /// What became of the last run, where this one ends the time that it was given.
+    pub last: Option<bool>,
 }
 
 /// What the newest models mean.
@@ -111,13 +133,17 @@ pub enum Review {
 impl Reactive {
     /// On the ground, with nothing learned.
     #[must_use]
-    pub fn new(settings: &Settings) -> Self {
+    pub fn new(settings: &Settings, logic: &impl ControlLogic) -> Self {
+        let axes = owed::axes_of(logic.mixer());
+        let learners = Learners::new(settings, axes);
+        let worth = (learners.lead() == Input::Owed).then(|| Budget::new(settings).worth);
         Self {
             schedule: Schedule::new(settings),
-            learners: Learners::new(settings),
+            learners,
             setpoints: SetpointQuanta::default(),
             supervisor: Supervisor::new(settings.policy, settings.warm_up),
-            judgement: Judgement::new(settings),
+            judgement: Judgement::new(settings, worth),
+            prediction: Prediction::new(axes, logic.mixer().motors(), logic.derivative_cutoff()),
             advanced: false,
             unreviewed: false,
         }
@@ -139,19 +165,77 @@ impl Reactive {
         }
     }
 
-    /// True where the command that a run would compute is worth foreseeing.
+    /// What is wanted of the command that a run would compute.
     ///
     /// Time-triggered control need not foresee what it computes anyway.
     #[must_use]
-    pub fn foresees(&self) -> bool {
-        self.phase() == Phase::Reactive && self.learners.lesson(Input::Command).triggers
+    pub fn foresight(&self) -> Foresight {
+        let triggers = |input| self.learners.lesson(input).triggers;
+        if self.phase() != Phase::Reactive {
+            Foresight::None
+        } else if triggers(Input::Command) {
+            Foresight::Exact
+        } else if !triggers(Input::Owed) {
+            Foresight::None
+        } else if self.prediction.is_exact() {
+            Foresight::Exact
+        } else {
+            Foresight::Predicted
+        }
     }
 
-    /// Takes the command that a run would compute now.
-    pub fn take_foreseen(&mut self, command: &MotorShares) {
-        if self.learners.command_calls(command) {
+    /// Takes the motion since the last run, by which the command is predicted; says what became of
+    /// that run, once that is seen.
+    pub fn take_predicted(
+        &mut self,
+        now: Instant,
+        motion: &Motion,
+        tell: impl FnMut(Input, &Label),
+    ) -> Option<bool> {
+        let owed = *self.prediction.predict(motion);
+        self.spend(now, &owed, tell)
+    }
+
+    /// Takes the command that a run would compute now, beside the one that is held; says what
+    /// became of the last run, once that is seen.
+    pub fn take_foreseen(
+        &mut self,
+        now: Instant,
+        command: &MotorShares,
+        held: &MotorShares,
+        motion: &Motion,
+        tell: impl FnMut(Input, &Label),
+    ) -> Option<bool> {
+        if self.learners.lesson(Input::Command).triggers && self.learners.command_calls(command) {
             self.schedule.ask(Input::Command);
         }
+        if !self.learners.lesson(Input::Owed).triggers {
+            return None;
+        }
+        let owed = *self.prediction.foresee(command, held, motion);
+        self.spend(now, &owed, tell)
+    }
+
+    /// Asks for a run where more is owed than the budget.
+    fn spend(
+        &mut self,
+        now: Instant,
+        owed: &Impulse,
+        tell: impl FnMut(Input, &Label),
+    ) -> Option<bool> {
+        if self.learners.owed_calls(owed) {
+            self.schedule.ask(Input::Owed);
+        }
+        let verdict = self.judgement.settle(now, owed)?;
+        Some(self.heed(&verdict, tell))
+    }
+
+    /// Learns from what became of the last run.
+    fn heed(&mut self, verdict: &Verdict, tell: impl FnMut(Input, &Label)) -> bool {
+        if let Some(teaching) = &verdict.teaching {
+            self.learners.teach(teaching, true, tell);
+        }
+        verdict.changed
     }
 
     /// Takes a sample of a chip with a clock of its own, with the command in force.
@@ -257,38 +341,70 @@ impl Reactive {
 
     // Learning.
 
-    /// The control logic took motion without a run: the angle (rad) is still turned since the
-    /// last run.
-    pub fn on_advance(&mut self, turned: Vec3) {
-        self.learners.on_advance(turned);
+    /// The control logic took motion without a run, while another command is held: the angle is
+    /// still turned since the last run, and what is owed stays owed.
+    pub fn on_advance(&mut self, motion: &Motion, command: &Mixed, held: &MotorShares) {
+        self.learners.on_advance(motion.sums.angle);
+        if self.counts_impulses() {
+            self.prediction.on_advance(command, held, motion);
+        }
         self.advanced = true;
+    }
+
+    /// The control logic came to another command with no motion beyond this one.
+    pub fn on_joined(&mut self, command: &Mixed, motion: &Motion) {
+        if self.counts_impulses() {
+            self.prediction.on_joined(command, motion);
+        }
     }
 
     /// Judges a run and learns from it; every label is also passed to `tell`.
     pub fn learn(&mut self, run: &Run, mut tell: impl FnMut(Input, &Label)) -> Judged {
         let asked = self.schedule.asked();
-        let judged = Judged {
+        let mut judged = Judged {
             asked,
             expected: self.learners.expected_of(asked),
-            changed: self.judgement.is_changed(run.before, run.applied),
+            changed: None,
+            last: None,
         };
+        if self.counts_impulses() {
+            judged.last = self.settle_last(run, &mut tell);
+        } else {
+            judged.changed = Some(self.judgement.is_changed(run.before, run.applied));
+        }
         // Without new motion a command cannot change, which teaches nothing about sensors; and
         // a setpoint that moved may have changed it whatever they said.
-        let moved = core::mem::take(&mut self.advanced) || run.moved;
+        let moved = core::mem::take(&mut self.advanced) || run.motion.sums.dt > 0.0;
         if !moved || self.schedule.is_asked_by_setpoint() {
             return judged;
         }
         if matches!(run.reason, Reason::WarmUp | Reason::Fallback) {
             self.learners.hold_run(run.at, run.applied, &mut tell);
         }
-        if self.phase() == Phase::Reactive
-            && let Some(teaching) = self
-                .judgement
-                .judge(run.at, run.reason, asked, judged.changed)
-        {
-            self.learners.teach(&teaching, tell);
+        if self.phase() != Phase::Reactive {
+            return judged;
+        }
+        match judged.changed {
+            None => {
+                let gain = self.prediction.axes().between(run.before, run.applied);
+                self.judgement
+                    .await_repayment(run.at, run.reason, asked, gain);
+            }
+            Some(changed) => {
+                if let Some(teaching) = self.judgement.judge(run.at, run.reason, asked, changed) {
+                    self.learners.teach(&teaching, false, tell);
+                }
+            }
         }
         judged
+    }
+
+    /// What became of the last run, where this one ends the time that it was given.
+    fn settle_last(&mut self, run: &Run, tell: impl FnMut(Input, &Label)) -> Option<bool> {
+        let off = self.prediction.axes().between(run.before, run.applied);
+        let owed = self.prediction.owed();
+        let verdict = self.judgement.settle_early(run.at, owed, off)?;
+        Some(self.heed(&verdict, tell))
     }
 
     /// The limit on wrong models and late runs that is passed, if one is.
@@ -316,12 +432,46 @@ impl Reactive {
 
     /// After a run: its samples, its command and its setpoint are the new references.
     ///
-    /// `turned` is the angle that the run took, in rad.
-    pub fn on_run(&mut self, run: &Run, turned: Vec3, setpoint: &Setpoint) {
+    /// `command` is what the control logic came to, which the gate may have stopped. False where it
+    /// refutes the predictions, so that commands are foreseen exactly until the next sounding.
+    #[must_use]
+    pub fn on_run(&mut self, run: &Run, command: &Mixed, setpoint: &Setpoint) -> bool {
         self.schedule.on_run(run.at);
         self.setpoints.on_run(setpoint);
+        let turned = run.motion.sums.angle;
         self.learners
             .on_run(turned, self.supervisor.is_learning(), run.applied);
+        !self.counts_impulses() || self.prediction.on_run(command, run.applied, run.motion)
+    }
+
+    /// The control logic, copied, where it is to be sounded: in idle, without a lock.
+    #[must_use]
+    pub fn sounding_due<L: ControlLogic + Clone>(
+        &self,
+        now: Instant,
+        logic: &L,
+        situation: &Situation,
+    ) -> Option<Sounding<L>> {
+        let flies = self.supervisor.is_learning() || self.phase() == Phase::Reactive;
+        let due = flies && self.counts_impulses() && self.prediction.is_sounding_due(now);
+        due.then(|| Sounding::new(logic, self.prediction.axes(), situation))
+    }
+
+    /// A sounding ended: another one is due after a while.
+    pub fn on_sounded(&mut self, now: Instant) {
+        self.prediction.on_sounded(now);
+    }
+
+    /// Takes what a sounding found of one feature; false where that is not finite, so that commands
+    /// are foreseen exactly until the next sounding.
+    #[must_use]
+    pub fn on_column(&mut self, column: &Column) -> bool {
+        self.prediction.on_column(column)
+    }
+
+    /// True where a run is changed by what it repays, not by what it moves.
+    fn counts_impulses(&self) -> bool {
+        self.learners.lead() == Input::Owed
     }
 
     /// The labels of an input whose refit is due, copied: to be fitted in idle, without a lock.
@@ -335,7 +485,7 @@ impl Reactive {
             let lesson = self.learners.lesson(input);
             (span(lesson.refitted, now) >= REFIT_INTERVAL).then_some(RefitJob {
                 input,
-                leads: input == self.learners.lead(),
+                leads: self.learners.stands_alone(input),
                 labels: lesson.labels,
             })
         })
@@ -392,11 +542,14 @@ impl Reactive {
     /// that gates has every sample waited for.
     #[must_use]
     pub fn threshold_for_chip(&self, input: Input) -> Option<f32> {
+        let lesson = self.learners.lesson(input);
+        let decided = self.is_counted_on(input) || lesson.triggers && lesson.decision.is_closed();
         let compares = self.phase() == Phase::Reactive
             && self.learners.reference() == Reference::LastRun
             && !GATES.contains(input)
-            && self.is_counted_on(input);
-        compares.then(|| self.threshold(input))
+            && decided;
+        // Where nothing calls for a run, the chip's highest code.
+        compares.then(|| min(self.threshold(input), f32::MAX))
     }
 
     /// The change of an input above which it calls for a run, in its SI unit.

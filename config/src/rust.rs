@@ -207,12 +207,13 @@ fn inputs(files: Files<'_>) -> Vec<Constant> {
         let unit = match unit {
             Unit::Named(unit) => unit,
             Unit::Quantum => "quanta",
+            Unit::QuantumTime => "quanta times ms",
         };
         let doc = format!("{meaning} Changes in {unit}.");
         // What is derived has the period of the bursts that it is computed at.
         let sensor = match input.source() {
             Source::Imu | Source::Chip => input,
-            Source::Derived | Source::Command => Input::Gyro,
+            Source::Derived | Source::Command | Source::Impulse => Input::Gyro,
         };
         let (period, gates) = (1_000_000 / files.rate(sensor), files.gates(input));
         let text = format!(

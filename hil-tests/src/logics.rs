@@ -216,4 +216,8 @@ impl ControlLogic for AnyLogic {
     fn mixed(&self) -> &Mixed {
         whichever!(self, logic => logic.mixed())
     }
+
+    fn mixer(&self) -> &Mixer {
+        whichever!(self, logic => logic.mixer())
+    }
 }

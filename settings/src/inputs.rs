@@ -34,6 +34,8 @@ pub enum Unit {
     /// The quantum of the motor command, which is a setting; the firmware counts in shares of
     /// full scale.
     Quantum,
+    /// A quantum for a millisecond; the firmware counts in shares of full scale times seconds.
+    QuantumTime,
 }
 
 /// How often a sensor samples: a setting in a board's file.
@@ -62,6 +64,8 @@ pub enum Source {
     Derived,
     /// Computed at every burst: a share of full scale for every motor.
     Command,
+    /// Computed at every burst: an impulse about every axis.
+    Impulse,
 }
 
 /// A rate that is given or not.
@@ -72,7 +76,7 @@ const fn given(rate: &[&'static Rate]) -> Option<&'static Rate> {
     }
 }
 
-/// Declares the inputs in the order of their numbers: those with three axes, the command last.
+/// Declares the inputs in the order of their numbers: those with three axes first.
 macro_rules! inputs {
     (
         $($(#[doc = $meaning:literal])+ $axes:ident {
@@ -80,10 +84,10 @@ macro_rules! inputs {
             $(rate: $rate:ident, gates: $gates:literal,)? changes: $changes:expr,
         })*
         ---
-        $(#[doc = $last_meaning:literal])+ $last:ident {
-            name: $last_name:literal, key: $last_key:literal, unit: $last_unit:expr,
-            changes: $last_changes:expr,
-        }
+        $($(#[doc = $other_meaning:literal])+ $other:ident {
+            name: $other_name:literal, key: $other_key:literal, unit: $other_unit:expr,
+            source: $other_source:ident, changes: $other_changes:expr,
+        })*
     ) => {
         /// The inputs whose change may call for a run, one model each.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,18 +95,18 @@ macro_rules! inputs {
         #[repr(u8)]
         pub enum Input {
             $($(#[doc = $meaning])+ $axes,)*
-            $(#[doc = $last_meaning])+ $last,
+            $($(#[doc = $other_meaning])+ $other,)*
         }
 
         impl Input {
             /// Those with three axes, in the order of their numbers.
-            pub const OF_AXES: [Self; Self::COUNT - 1] = [$(Self::$axes),*];
+            pub const OF_AXES: [Self; [$(Self::$axes),*].len()] = [$(Self::$axes),*];
 
             /// All of them, in the order of their numbers.
-            pub const ALL: [Self; Self::COUNT] = [$(Self::$axes,)* Self::$last];
+            pub const ALL: [Self; Self::COUNT] = [$(Self::$axes,)* $(Self::$other,)*];
 
             /// How many inputs may trigger.
-            pub const COUNT: usize = [$(Self::$axes,)* Self::$last].len();
+            pub const COUNT: usize = [$(Self::$axes,)* $(Self::$other,)*].len();
 
             /// What is known of it.
             #[must_use]
@@ -118,16 +122,16 @@ macro_rules! inputs {
                         gates: false$(|| $gates)?,
                         changes: $changes,
                     },)*
-                    Self::$last => Declaration {
-                        name: $last_name,
-                        key: $last_key,
-                        meaning: concat!($($last_meaning),+).trim_ascii(),
-                        unit: $last_unit,
-                        source: Source::Command,
+                    $(Self::$other => Declaration {
+                        name: $other_name,
+                        key: $other_key,
+                        meaning: concat!($($other_meaning),+).trim_ascii(),
+                        unit: $other_unit,
+                        source: Source::$other_source,
                         rate: None,
                         gates: false,
-                        changes: $last_changes,
-                    },
+                        changes: $other_changes,
+                    },)*
                 }
             }
 
@@ -136,7 +140,7 @@ macro_rules! inputs {
             /// A plain list, so that large values are built in their place: a map over
             /// [`Self::OF_AXES`] would build them on the stack.
             #[inline(always)]
-            pub fn each_of_axes<T>(value: impl Fn(Self) -> T) -> [T; Self::COUNT - 1] {
+            pub fn each_of_axes<T>(value: impl Fn(Self) -> T) -> [T; Self::OF_AXES.len()] {
                 [$(value(Self::$axes)),*]
             }
         }
@@ -197,8 +201,13 @@ inputs! {
     ---
     /// Command that a run would compute, against the one applied.
     Command {
-        name: "command_change", key: "command", unit: Unit::Quantum,
+        name: "command_change", key: "command", unit: Unit::Quantum, source: Command,
         changes: [0.7, 1.4],
+    }
+    /// Impulse that the held command owes since the last run.
+    Owed {
+        name: "impulse_owed", key: "owed", unit: Unit::QuantumTime, source: Impulse,
+        changes: [1.0, 200.0],
     }
 }
 
@@ -258,7 +267,12 @@ impl Inputs {
     pub const OF_AXES: Self = Self::of(&[Source::Imu, Source::Chip, Source::Derived]);
 
     /// Those that a burst of the inertial measurement unit delivers, or that are derived from it.
-    pub const OF_IMU: Self = Self::of(&[Source::Imu, Source::Derived, Source::Command]);
+    pub const OF_IMU: Self = Self::of(&[
+        Source::Imu,
+        Source::Derived,
+        Source::Command,
+        Source::Impulse,
+    ]);
 
     const fn of(sources: &[Source]) -> Self {
         let mut set = Self::NONE;

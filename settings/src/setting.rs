@@ -314,7 +314,8 @@ impl Kind {
 const SEEN_AT_EVERY_SAMPLE: Inputs = Inputs::NONE
     .with(Input::Gyro)
     .with(Input::Turned)
-    .with(Input::Command);
+    .with(Input::Command)
+    .with(Input::Owed);
 
 impl Limit {
     /// True for a number that keeps to it; single precision, as in [`Range::contains`].

@@ -64,6 +64,10 @@ declare! {
             Kind::Step { share: above(0.0, 0.5), steps: within(2.0, 65_535.0) },
             "")
             .default("255").option("quantum", "SHARE"),
+        /// How long the held command may be off by a quantum: the impulse that calls for a run.
+        budget: Duration = Setting::of(
+            ["runs", "budget_s"], Kind::Span(within(0.0005, 0.5)), "s")
+            .default("0.0125").only_of(Policy::Reactive).option("budget", "SECONDS"),
         /// Motor pulses: 125 to 250 us at 2 kHz, or 1000 to 2000 us at 400 Hz.
         motors: MotorProtocol = Setting::of(
             ["motors", "protocol"], Kind::word::<MotorProtocol>(), "")

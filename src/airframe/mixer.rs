@@ -51,17 +51,32 @@ pub struct Mixed {
     pub shares: MotorShares,
     /// Some demand was cut: the integrators must not grow.
     pub saturated: bool,
+    /// How far (share of full scale) the motors may move before a demand is cut; 0 or less where
+    /// one was.
+    pub slack: f32,
+}
+
+/// What a [`Sharing`] came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shared<const N: usize> {
+    /// One command per motor.
+    pub shares: [f32; N],
+    /// Some demand was cut.
+    pub cut: bool,
+    /// How much a demand may grow before a limit of the rule's own cuts it; infinite where a motor
+    /// at the end of its range is all that does.
+    pub spare: f32,
 }
 
 /// How the motors' range is shared where it does not suffice for a demand.
 pub trait Sharing {
-    /// One command per motor, and whether a demand was cut.
+    /// Shares the range out.
     fn share<const N: usize>(
         &self,
         motors: &Allocation<N>,
         torque: TorqueDemand,
         thrust: Thrust,
-    ) -> ([f32; N], bool);
+    ) -> Shared<N>;
 }
 
 /// The mixer of the airframe that was built in.
@@ -83,6 +98,13 @@ impl Mixer {
         })
     }
 
+    /// How many motors it has.
+    #[must_use]
+    pub fn motors(&self) -> usize {
+        let [roll, ..] = self.axes();
+        roll.len()
+    }
+
     /// Share of full scale by which a unit of roll, of pitch, of yaw moves each motor.
     #[must_use]
     pub fn axes(&self) -> [&[f32]; 3] {
@@ -100,16 +122,10 @@ impl Mixer {
     #[must_use]
     #[inline]
     pub fn mix(&self, torque: TorqueDemand, thrust: Thrust, rule: &impl Sharing) -> Mixed {
-        fn mixed<const N: usize>((shares, saturated): ([f32; N], bool)) -> Mixed {
-            Mixed {
-                shares: MotorShares::from(shares),
-                saturated,
-            }
-        }
         match &self.0 {
-            BySize::Four(motors) => mixed(rule.share(motors, torque, thrust)),
-            BySize::Six(motors) => mixed(rule.share(motors, torque, thrust)),
-            BySize::Eight(motors) => mixed(rule.share(motors, torque, thrust)),
+            BySize::Four(motors) => motors.mixed(rule.share(motors, torque, thrust)),
+            BySize::Six(motors) => motors.mixed(rule.share(motors, torque, thrust)),
+            BySize::Eight(motors) => motors.mixed(rule.share(motors, torque, thrust)),
         }
     }
 }
@@ -123,6 +139,15 @@ impl<const N: usize> Allocation<N> {
             pitch,
             yaw,
             least: airframe.armed_minimum(),
+        }
+    }
+
+    fn mixed(&self, shared: Shared<N>) -> Mixed {
+        let room = |slack, share: &f32| min(min(share - self.least, 1.0 - share), slack);
+        Mixed {
+            slack: shared.shares.iter().fold(shared.spare, room),
+            saturated: shared.cut,
+            shares: MotorShares::from(shared.shares),
         }
     }
 

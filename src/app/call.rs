@@ -11,7 +11,7 @@ use super::{Autopilot, ChipOrder, ChipSetting, Fault, OrderError, Reason};
 use crate::airframe::MotorShares;
 use crate::graph::ControlLogic;
 use crate::link::Message;
-use crate::reactive::{Fit, Label, Refit};
+use crate::reactive::{Column, Feature, Fit, Label, Refit};
 use crate::sensors::{ChipSample, ImuReading, Input, Inputs};
 use crate::time::{Instant, at_micros};
 
@@ -43,8 +43,14 @@ pub enum Call {
     OrderDone(ChipOrder, Result<ChipSetting, OrderError>),
     /// `on_refit`
     Refit(Refit),
+    /// `on_column`
+    Column(Column),
+    /// `on_sounded`
+    Sounded,
     /// Not a call: what a run came to.
     Ran(Ran),
+    /// Not a call: whether the last run was changed.
+    Judged(bool),
 }
 
 /// The outcome of a run, recorded behind the call that caused it.
@@ -117,18 +123,23 @@ impl Stamped {
             }
             Call::Message(message) => out.message(message),
             Call::Fault(fault) => out.byte(fault.number()),
-            Call::Hyperperiod | Call::Timer => {}
+            Call::Hyperperiod | Call::Timer | Call::Sounded => {}
             Call::OrderDone(order, result) => {
                 out.order(order);
                 out.result(result);
             }
             Call::Refit(refit) => out.refit(refit),
+            Call::Column(column) => {
+                out.byte(column.feature as u8);
+                out.floats(column.of_axes);
+            }
             Call::Ran(ran) => {
                 out.put([ran.reason as u8, ran.asked.bits()]);
                 // No probability is not a number.
                 out.float(ran.expected.unwrap_or(f32::NAN));
                 out.shares(&ran.shares);
             }
+            Call::Judged(changed) => out.byte(u8::from(*changed)),
         }
         out.finish()
     }
@@ -155,12 +166,18 @@ impl Stamped {
             6 => Call::Timer,
             7 => Call::OrderDone(from.order()?, from.result()?),
             8 => Call::Refit(from.refit()?),
+            10 => Call::Column(Column {
+                feature: from.choice(Feature::from_number)?,
+                of_axes: from.floats()?,
+            }),
             9 => Call::Ran(Ran {
                 reason: from.choice(Reason::from_number)?,
                 asked: Inputs::from_bits(from.byte()?),
                 expected: Some(from.float()?).filter(|expected| !expected.is_nan()),
                 shares: from.shares()?,
             }),
+            12 => Call::Sounded,
+            11 => Call::Judged(from.byte()? != 0),
             other => return Err(DecodeError::Unknown(other)),
         };
         Ok((Self { at, call }, bytes.len() - from.rest()))
@@ -183,7 +200,9 @@ impl Call {
             Self::Timer => drop(autopilot.on_timer(at)),
             Self::OrderDone(order, result) => autopilot.on_order_done(at, *order, *result),
             Self::Refit(refit) => autopilot.on_refit(at, *refit),
-            Self::Ran(_) => {}
+            Self::Column(column) => autopilot.on_column(at, *column),
+            Self::Sounded => autopilot.on_sounded(at),
+            Self::Ran(_) | Self::Judged(_) => {}
         }
     }
 }
@@ -198,7 +217,10 @@ fn kind(call: &Call) -> u8 {
         Call::Timer => 6,
         Call::OrderDone(..) => 7,
         Call::Refit(_) => 8,
+        Call::Column(_) => 10,
+        Call::Sounded => 12,
         Call::Ran(_) => 9,
+        Call::Judged(_) => 11,
     }
 }
 

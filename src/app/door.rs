@@ -40,6 +40,8 @@ numbered! {
         LinkFrame,
         /// A goal that the logic cannot fly to, or without a fresh place: not used.
         Goal,
+        /// Predicted commands missed twice in a row: they are foreseen exactly for a while.
+        Prediction,
     }
 }
 

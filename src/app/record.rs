@@ -33,8 +33,15 @@ impl<R: Recorder> Record<R> {
         self.recorder.record(at, &call);
     }
 
-    /// Takes note of a run, which `changed` the command or not.
-    pub(super) fn ran(&mut self, at: Instant, ran: Ran, changed: bool, number: u32) {
+    /// Takes note of what became of the last run, where that is seen now.
+    pub(super) fn judged(&mut self, at: Instant, changed: Option<bool>) {
+        if let Some(changed) = changed {
+            self.recorder.record(at, &Call::Judged(changed));
+        }
+    }
+
+    /// Takes note of a run, which `changed` the command or not, where that is known at once.
+    pub(super) fn ran(&mut self, at: Instant, ran: Ran, changed: Option<bool>, number: u32) {
         self.recorder.record(at, &Call::Ran(ran));
         // On the ground a line every millisecond would tell nothing.
         if ran.reason != Reason::Ground {

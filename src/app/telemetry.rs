@@ -23,8 +23,8 @@ pub enum Event {
         reason: Reason,
         /// Inputs that asked for it.
         asked: Inputs,
-        /// The command moved by a quantum or more.
-        changed: bool,
+        /// The command moved by a quantum or more; `None` where time must show what it repays.
+        changed: Option<bool>,
     },
     /// The way of running control changed.
     Phase(Phase),

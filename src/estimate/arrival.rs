@@ -164,7 +164,7 @@ impl Arrival {
 }
 
 /// The direction of down that a specific force (m/s2) shows, as long as it is trusted, 0 to 1.
-fn trusted_down(force: Vec3) -> Vec3 {
+pub fn trusted_down(force: Vec3) -> Vec3 {
     let size = force.norm();
     let trust = 1.0 - (size - GRAVITY).abs() * (2.0 / GRAVITY);
     if trust > 0.0 {

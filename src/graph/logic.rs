@@ -73,6 +73,9 @@ pub trait ControlLogic {
 
     /// The motor vector of the last run.
     fn mixed(&self) -> &Mixed;
+
+    /// The mixer that it commands.
+    fn mixer(&self) -> &Mixer;
 }
 
 /// A control logic that is made of its gains and a mixer, by default those that were built in.
@@ -133,6 +136,10 @@ macro_rules! standard_inputs {
 
         fn mixed(&self) -> &$crate::airframe::Mixed {
             self.command()
+        }
+
+        fn mixer(&self) -> &$crate::airframe::Mixer {
+            self.mixer()
         }
     };
 }

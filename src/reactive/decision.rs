@@ -7,24 +7,42 @@ use super::{Fit, Logistic};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decision {
     change: Option<f32>,
+    /// The change that the last run met.
+    met: Option<f32>,
     fit: Fit,
     threshold: f32,
+    rest: Rest,
     p_run: f32,
     /// Of `p_run`, kept because a model is swapped in under a lock.
     odds: LogOdds,
 }
 
+/// What decides where no model does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rest {
+    /// Every change calls for a run until there is a model.
+    Open,
+    /// No change calls for a run until there is a model.
+    Closed,
+    /// A change past this one calls for a run, model or none.
+    Budget(f32),
+}
+
 impl Decision {
-    /// Without a model: unfit, every change calls for a run.
+    /// Without a model.
     #[must_use]
-    pub fn new(p_run: f32) -> Self {
-        Self {
+    pub fn new(p_run: f32, rest: Rest) -> Self {
+        let mut decision = Self {
             change: None,
+            met: None,
             fit: Fit::Unfit,
             threshold: 0.0,
+            rest,
             p_run,
             odds: LogOdds::of(p_run),
-        }
+        };
+        decision.set_fit(Fit::Unfit);
+        decision
     }
 
     /// Takes a change; true where it calls for a run.
@@ -33,7 +51,7 @@ impl Decision {
     /// first sample of all, the answer is yes.
     pub fn take(&mut self, x: Option<f32>) -> bool {
         let Some(x) = x else {
-            return true;
+            return self.rest == Rest::Open;
         };
         self.change = Some(x);
         x > self.threshold
@@ -41,7 +59,13 @@ impl Decision {
 
     /// A run happened: what was measured before it is of no use.
     pub fn on_run(&mut self) {
-        self.change = None;
+        self.met = self.change.take();
+    }
+
+    /// The change that the last run met.
+    #[must_use]
+    pub fn met(&self) -> Option<f32> {
+        self.met
     }
 
     /// The newest change that was measured since the last run.
@@ -59,10 +83,11 @@ impl Decision {
     /// Swaps a fit in.
     pub fn set_fit(&mut self, fit: Fit) {
         self.fit = fit;
-        self.threshold = match fit {
-            Fit::Unfit => 0.0,
-            Fit::Irrelevant => f32::INFINITY,
-            Fit::Model(model) => finite_or_zero(model.crossing_at(self.odds)),
+        self.threshold = match (self.rest, fit) {
+            (Rest::Budget(budget), _) => budget,
+            (Rest::Open, Fit::Unfit) => 0.0,
+            (Rest::Closed, Fit::Unfit) | (_, Fit::Irrelevant) => f32::INFINITY,
+            (_, Fit::Model(model)) => finite_or_zero(model.crossing_at(self.odds)),
         };
     }
 
@@ -76,6 +101,18 @@ impl Decision {
     #[must_use]
     pub fn p_run(&self) -> f32 {
         self.p_run
+    }
+
+    /// True where nothing calls for a run for want of a model.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.rest == Rest::Closed && self.model().is_none()
+    }
+
+    /// True where there is something to decide by: a model, or a budget.
+    #[must_use]
+    pub fn is_ready(&self) -> bool {
+        matches!(self.rest, Rest::Budget(_)) || self.model().is_some()
     }
 
     /// The model, where there is one.
@@ -106,7 +143,7 @@ mod tests {
 
     #[test]
     fn a_change_calls_for_a_run_past_the_crossing_of_the_model() {
-        let mut decision = Decision::new(0.5);
+        let mut decision = Decision::new(0.5, Rest::Open);
         decision.set_fit(Fit::Model(Logistic { b1: -1.0, b2: 10.0 }));
         assert!((decision.threshold() - 0.1).abs() < 1e-6);
         assert!(!decision.take(Some(0.09)));
@@ -116,7 +153,7 @@ mod tests {
 
     #[test]
     fn an_unfit_input_always_triggers_and_an_irrelevant_one_never() {
-        let mut decision = Decision::new(0.6);
+        let mut decision = Decision::new(0.6, Rest::Open);
         assert!(decision.take(None), "the first sample has no change");
         assert!(decision.take(Some(1e-3)));
         decision.set_fit(Fit::Irrelevant);
@@ -125,14 +162,14 @@ mod tests {
 
     #[test]
     fn a_model_that_cannot_be_inverted_calls_for_every_run() {
-        let mut decision = Decision::new(0.6);
+        let mut decision = Decision::new(0.6, Rest::Open);
         decision.set_fit(Fit::Model(Logistic { b1: 0.0, b2: 0.0 }));
         assert_eq!(decision.threshold(), 0.0);
     }
 
     #[test]
     fn a_run_leaves_no_change_behind() {
-        let mut decision = Decision::new(0.6);
+        let mut decision = Decision::new(0.6, Rest::Open);
         decision.take(Some(0.3));
         decision.on_run();
         assert_eq!(decision.change(), None);

@@ -1,11 +1,16 @@
 //! What runs turn out to be: counted, compared with limits, taught to the inputs.
 
 use super::outcome::Teaching;
+use super::owed::{Impulse, OfAxes, REPAYMENT};
 use super::{FallbackReason, Limits, Outcome, Reason, differs};
 use crate::airframe::MotorShares;
-use crate::sensors::Inputs;
+use crate::math::max;
+use crate::sensors::{Input, Inputs};
 use crate::settings::{Feedback, Settings};
-use crate::time::Instant;
+use crate::time::{Instant, seconds, span};
+
+/// Inputs whose models promise that runs are worth it, where impulses count.
+const PROMISE: Inputs = Inputs::OF_IMU.without(Input::Owed);
 
 /// Counts runs in reactive control by their outcome.
 #[derive(Clone, Copy, Debug)]
@@ -16,17 +21,91 @@ pub(super) struct Judgement {
     feedback: Feedback,
     limits: Limits,
     outcomes: [u32; Outcome::COUNT],
+    /// The impulse that a run is worth, where that is what counts.
+    worth: Option<f32>,
+    awaited: Option<Awaited>,
+}
+
+/// A run whose command has yet to show what it repays.
+#[derive(Clone, Copy, Debug)]
+struct Awaited {
+    at: Instant,
+    reason: Reason,
+    asked: Inputs,
+    /// The new command less the one that it replaced.
+    gain: OfAxes,
+}
+
+/// What became of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Verdict {
+    /// Its command repaid what a run is worth.
+    pub(super) changed: bool,
+    /// What it teaches.
+    pub(super) teaching: Option<Teaching>,
 }
 
 impl Judgement {
-    pub(super) fn new(settings: &Settings) -> Self {
+    pub(super) fn new(settings: &Settings, worth: Option<f32>) -> Self {
         Self {
             quantum: settings.quantum,
             p_run: settings.p_run,
             feedback: settings.feedback,
             limits: Limits::default(),
             outcomes: [0; Outcome::COUNT],
+            worth,
+            awaited: None,
         }
+    }
+
+    /// Waits for what a run repays, whose command moved by `gain`.
+    pub(super) fn await_repayment(
+        &mut self,
+        at: Instant,
+        reason: Reason,
+        asked: Inputs,
+        gain: OfAxes,
+    ) {
+        self.awaited = Some(Awaited {
+            at,
+            reason,
+            asked,
+            gain,
+        });
+    }
+
+    /// What the last run repaid, once it had its time; `owed` since that run.
+    pub(super) fn settle(&mut self, now: Instant, owed: &Impulse) -> Option<Verdict> {
+        let since = self.awaited.as_ref()?.at;
+        if span(since, now) < REPAYMENT {
+            return None;
+        }
+        self.conclude(now, owed, seconds(span(since, now)))
+    }
+
+    /// What the last run repaid, where another one comes before it had its time: the new command,
+    /// `off` from the old one, is what would have been computed for the rest of it.
+    pub(super) fn settle_early(
+        &mut self,
+        now: Instant,
+        owed: &Impulse,
+        off: OfAxes,
+    ) -> Option<Verdict> {
+        let since = self.awaited.as_ref()?.at;
+        let (given, whole) = (seconds(span(since, now)), seconds(REPAYMENT));
+        self.conclude(
+            now,
+            &owed.grown(off, max(whole - given, 0.0)),
+            max(given, whole),
+        )
+    }
+
+    fn conclude(&mut self, now: Instant, owed: &Impulse, time: f32) -> Option<Verdict> {
+        let run = self.awaited.take()?;
+        let repaid = owed.grown(run.gain, time).size() - owed.size();
+        let changed = repaid >= self.worth?;
+        let teaching = self.judge(now, run.reason, run.asked, changed);
+        Some(Verdict { changed, teaching })
     }
 
     /// True where a run moved the command by a quantum or more.
@@ -47,6 +126,9 @@ impl Judgement {
             *count = count.saturating_add(1);
         }
         match reason {
+            // A budget promises nothing, and a chip is a second opinion.
+            Reason::Trigger if self.worth.is_some() && !PROMISE.meets(asked) => {}
+            Reason::Trigger if asked.contains(Input::Owed) => {}
             Reason::Trigger => self.limits.triggered(now, changed),
             Reason::Failsafe => self.limits.failsafe(now, changed),
             _ => {}
@@ -67,6 +149,7 @@ impl Judgement {
     /// A new phase is judged by its own runs.
     pub(super) fn restart(&mut self) {
         self.limits.restart();
+        self.awaited = None;
     }
 
     /// How often runs turned out this way.

@@ -14,8 +14,9 @@ pub use learner::changes_of;
 use learner::{Learner, Showing};
 
 use super::outcome::Teaching;
-use super::{Label, Lead, Rule};
-use crate::airframe::MotorShares;
+use super::owed::{Budget, Course, Impulse};
+use super::{Commanded, Label, Lead, Rest, Rule};
+use crate::airframe::{Axes, MotorShares};
 use crate::math::Vec3;
 use crate::sensors::{Input, Inputs};
 use crate::settings::{Pairs, Reference, Settings};
@@ -25,9 +26,13 @@ use crate::time::Instant;
 #[derive(Clone, Debug)]
 pub(super) struct Learners {
     /// Those of three axes, by the number of their input.
-    axes: [Learner; Input::OF_AXES.len()],
+    of_axes: [Learner; Input::OF_AXES.len()],
     command: Learner<MotorShares>,
+    owed: Learner<Course>,
     lead: Input,
+    /// The way of the command while learning, where it leads over time.
+    course: Option<Course>,
+    axes: Axes,
     rule: Rule,
     /// Angle turned in earlier runs, which the shadow holds look back to.
     turned_before: Vec3,
@@ -38,19 +43,33 @@ pub(super) struct Learners {
 }
 
 impl Learners {
-    pub(super) fn new(settings: &Settings) -> Self {
-        let lead = [Input::Command, Input::Gyro]
+    pub(super) fn new(settings: &Settings, axes: Axes) -> Self {
+        let lead = [Input::Owed, Input::Command, Input::Gyro]
             .into_iter()
             .find(|input| settings.triggers.contains(*input))
             .unwrap_or(Input::Turned);
+        let budget = Budget::new(settings);
+        // A budget is there from the start: what has no model yet need not ask.
+        let rest = if lead == Input::Owed {
+            Rest::Closed
+        } else {
+            Rest::Open
+        };
         Self {
-            axes: Input::each_of_axes(|input| Learner::new(input, settings)),
-            command: Learner::new(Input::Command, settings),
+            of_axes: Input::each_of_axes(|input| Learner::new(input, settings, rest)),
+            command: Learner::new(Input::Command, settings, rest),
+            owed: Learner::new(Input::Owed, settings, Rest::Budget(budget.most)),
             lead,
+            course: None,
+            axes,
             rule: Rule {
                 reference: settings.reference,
                 pairs: settings.pairs,
-                quantum: settings.quantum,
+                counts: if lead == Input::Owed {
+                    budget.worth
+                } else {
+                    settings.quantum
+                },
                 failsafe: settings.failsafe,
             },
             turned_before: Vec3::ZERO,
@@ -85,6 +104,11 @@ impl Learners {
         self.command.calls(command)
     }
 
+    /// True where the impulse owed is past its budget.
+    pub(super) fn owed_calls(&mut self, owed: &Impulse) -> bool {
+        self.owed.lesson.decision.take(Some(owed.size())) && self.owed.lesson.triggers
+    }
+
     /// What an input is measured against is this sample now.
     pub(super) fn rearm(&mut self, input: Input, sample: Vec3) {
         if let Some(learner) = self.of_axes(input) {
@@ -92,23 +116,25 @@ impl Learners {
         }
     }
 
-    /// The learner of an input with three axes; `None` for the command.
+    /// The learner of an input with three axes; `None` for others.
     fn of_axes(&mut self, input: Input) -> Option<&mut Learner> {
-        self.axes.get_mut(input as usize)
+        self.of_axes.get_mut(input as usize)
     }
 
-    /// What an input learned; the command's number is the one behind the axes'.
+    /// What an input learned.
     pub(super) fn lesson(&self, input: Input) -> &Lesson {
-        match self.axes.get(input as usize) {
-            Some(learner) => &learner.lesson,
-            None => &self.command.lesson,
+        match (self.of_axes.get(input as usize), input) {
+            (Some(learner), _) => &learner.lesson,
+            (None, Input::Owed) => &self.owed.lesson,
+            (None, _) => &self.command.lesson,
         }
     }
 
     pub(super) fn lesson_mut(&mut self, input: Input) -> &mut Lesson {
-        match self.axes.get_mut(input as usize) {
-            Some(learner) => &mut learner.lesson,
-            None => &mut self.command.lesson,
+        match (self.of_axes.get_mut(input as usize), input) {
+            (Some(learner), _) => &mut learner.lesson,
+            (None, Input::Owed) => &mut self.owed.lesson,
+            (None, _) => &mut self.command.lesson,
         }
     }
 
@@ -128,6 +154,14 @@ impl Learners {
         command: &MotorShares,
         mut tell: impl FnMut(Input, &Label),
     ) {
+        if self.lead == Input::Owed {
+            let still = MotorShares::all(0.0, command.len());
+            let command = self.axes.between(&still, command);
+            match &mut self.course {
+                Some(course) => course.go_on(now, command),
+                None => self.course = Some(Course::begun(now, command)),
+            }
+        }
         for input in Inputs::OF_IMU.iter() {
             self.hold(now, input, command, &mut tell);
         }
@@ -146,7 +180,11 @@ impl Learners {
         };
         let showing = Showing {
             now,
-            command: *command,
+            command: match (self.lead, self.course) {
+                (Input::Owed, None) => return,
+                (Input::Owed, Some(course)) => Commanded::Over(course),
+                _ => Commanded::Now(*command),
+            },
             rates: self.newest(Input::Gyro).unwrap_or_default(),
             rule: self.rule_for(input),
             lead,
@@ -155,38 +193,50 @@ impl Learners {
         let tell = |label: &Label| tell(input, label);
         match self.of_axes(input) {
             Some(learner) => learner.hold(learner.watch.newest(), &showing, tell),
+            None if input == Input::Owed => self.owed.hold(self.course, &showing, tell),
             None => self.command.hold(Some(*command), &showing, tell),
         }
     }
 
-    /// Adds the labels of a run.
-    pub(super) fn teach(&mut self, teaching: &Teaching, mut tell: impl FnMut(Input, &Label)) {
+    /// Adds the labels of a run, or of the last one where they come `late`.
+    pub(super) fn teach(
+        &mut self,
+        teaching: &Teaching,
+        late: bool,
+        mut tell: impl FnMut(Input, &Label),
+    ) {
         for input in Input::ALL {
             if teaching.inputs.contains(input)
-                && let Some(label) = self
-                    .lesson_mut(input)
-                    .label(teaching.changed, teaching.weight)
+                && let Some(label) =
+                    self.lesson_mut(input)
+                        .label(teaching.changed, teaching.weight, late)
             {
                 tell(input, &label);
             }
         }
     }
 
-    /// True where every model is stable, or its sensor delivers nothing.
+    /// True where every model that is waited for is stable: a budget needs none, a second opinion
+    /// can come later, and a sensor that delivers nothing has none.
     pub(super) fn are_settled(&self, delivered: Inputs) -> bool {
-        Input::ALL
-            .into_iter()
-            .all(|input| self.lesson(input).is_settled() || !delivered.contains(input))
+        let spared = if self.lead == Input::Owed {
+            Inputs::OF_CHIPS.with(Input::Owed)
+        } else {
+            Inputs::NONE
+        };
+        let waited_for = |input: &Input| delivered.contains(*input) && !spared.contains(*input);
+        let mut inputs = Input::ALL.into_iter().filter(waited_for);
+        inputs.all(|input| self.lesson(input).is_settled())
     }
 
-    /// True where the leading input has a model.
+    /// True where the leading input has something to decide by.
     pub(super) fn leader_is_fitted(&self) -> bool {
-        self.lesson(self.lead).decision.model().is_some()
+        self.lesson(self.lead).decision.is_ready()
     }
 
     /// The newest sample of an input with three axes.
     fn newest(&self, input: Input) -> Option<Vec3> {
-        self.axes.get(input as usize)?.watch.newest()
+        self.of_axes.get(input as usize)?.watch.newest()
     }
 
     /// What an input's labels depend on.
@@ -222,16 +272,23 @@ impl Learners {
 
     /// Who is asked before an input; `None` while that has no model to be asked for.
     fn lead_for(&self, input: Input) -> Option<Lead> {
-        if input == self.lead {
+        if self.stands_alone(input) {
             return Some(Lead::Itself);
         }
         let decision = &self.lesson(self.lead).decision;
-        decision.model().map(|_| match self.lead {
-            Input::Command => Lead::Command(decision.threshold()),
+        decision.is_ready().then(|| match self.lead {
+            Input::Owed | Input::Command => Lead::Command(decision.threshold()),
             Input::Gyro => Lead::Gyro(decision.threshold()),
             // An angle alone is too weak a leader to overtake anybody.
             _ => Lead::Itself,
         })
+    }
+
+    /// True where an input is judged by itself: the leading one, and one that a chip compares, an
+    /// independent second opinion.
+    pub(super) fn stands_alone(&self, input: Input) -> bool {
+        let chips = self.lead == Input::Owed && Inputs::OF_CHIPS.contains(input);
+        input == self.lead || chips
     }
 
     /// True once for an input whose shadow holds start anew.
@@ -243,6 +300,7 @@ impl Learners {
 
     pub(super) fn restart_holds(&mut self) {
         self.stale_holds = Inputs::ALL;
+        self.course = None;
         // Sums of a whole flight would lose the small angles that a hold turns by.
         self.turned_before = Vec3::ZERO;
         self.rearm(Input::Turned, Vec3::ZERO);
@@ -261,10 +319,11 @@ impl Learners {
     /// `turned` is the angle that the run took, `learning` whether shadow holds look further
     /// back than to this run.
     pub(super) fn on_run(&mut self, turned: Vec3, learning: bool, command: &MotorShares) {
-        for learner in &mut self.axes {
+        for learner in &mut self.of_axes {
             learner.on_run();
         }
         self.command.on_run();
+        self.owed.on_run();
         let last_run = self.rule.reference == Reference::LastRun;
         self.turned_before = if learning || !last_run {
             self.turned_before + turned

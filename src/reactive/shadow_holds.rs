@@ -9,6 +9,7 @@
 //!
 //! Where no change crosses any candidate, a hold may end after a number of samples instead.
 
+use super::owed::{Course, OfAxes};
 use super::{Label, Labels, Sample};
 use crate::airframe::MotorShares;
 use crate::config::{Changes, HYPERPERIOD};
@@ -28,15 +29,24 @@ pub struct Held<S = Vec3> {
     /// The input's sample that the command was computed from.
     pub sample: S,
     /// The command.
-    pub command: MotorShares,
+    pub command: Commanded,
     /// The gyroscope's rates behind it, in rad/s: they lead where no command is foreseen.
     pub rates: Vec3,
+}
+
+/// A command, as it counts for the leading input.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Commanded {
+    /// At one instant: it is changed when some motor's moved by a quantum or more.
+    Now(MotorShares),
+    /// Over time: it is changed when the new one repays what it is worth.
+    Over(Course),
 }
 
 /// The input that is asked first, and the change past which it calls for a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lead {
-    /// The foreseen command, past this share of full scale.
+    /// The command itself, past this share of full scale, or the impulse owed, past this one.
     Command(f32),
     /// The gyroscope, past this rate in rad/s.
     Gyro(f32),
@@ -56,7 +66,21 @@ struct Hold<S> {
     threshold: f32,
     /// The samples that end it.
     lag: u16,
-    held: Option<(Instant, Held<S>)>,
+    state: State<S>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum State<S> {
+    /// Nothing is held.
+    Idle,
+    /// Held since then.
+    Holding(Instant, Held<S>),
+    /// It ended in a change of this size; whether the new command repays is yet to be seen.
+    Ended {
+        x: f32,
+        run: Course,
+        replaced: OfAxes,
+    },
 }
 
 /// How a hold ended.
@@ -73,8 +97,8 @@ pub struct Rule {
     pub reference: Reference,
     /// When a hold ends.
     pub pairs: Pairs,
-    /// The change of a command that counts.
-    pub quantum: f32,
+    /// The change of a command that counts: a share of full scale, or an impulse.
+    pub counts: f32,
     /// The longest hold.
     pub failsafe: Duration,
 }
@@ -90,7 +114,7 @@ impl<S: Sample> ShadowHolds<S> {
         let mut holds = [Hold {
             threshold,
             lag: 1,
-            held: None,
+            state: State::Idle,
         }; CANDIDATES];
         for hold in &mut holds {
             threshold *= step;
@@ -104,7 +128,7 @@ impl<S: Sample> ShadowHolds<S> {
     /// Forgets what is held: the next sample starts all holds.
     pub fn restart(&mut self) {
         for hold in &mut self.holds {
-            hold.held = None;
+            hold.state = State::Idle;
         }
     }
 
@@ -137,16 +161,30 @@ impl<S: Sample> ShadowHolds<S> {
 
 impl<S: Sample> Hold<S> {
     fn take(&mut self, now: Instant, newest: &Held<S>, rule: &Rule, lead: &Lead) -> Option<End> {
-        let Some((since, held)) = &mut self.held else {
-            self.held = Some((now, *newest));
-            return None;
+        let anew = State::Holding(now, *newest);
+        let (since, held) = match &mut self.state {
+            State::Idle => {
+                self.state = anew;
+                return None;
+            }
+            State::Ended { x, run, replaced } => {
+                let repaid = newest.command.course()?.repaid(run, *replaced)?;
+                let label = Label {
+                    x: *x,
+                    changed: repaid >= rule.counts,
+                    weight: 1.0,
+                };
+                self.state = anew;
+                return Some(End::Label(label));
+            }
+            State::Holding(since, held) => (*since, held),
         };
         if lead.calls(newest, held) {
-            self.held = Some((now, *newest));
+            self.state = anew;
             return Some(End::Overtaken);
         }
         let x = newest.sample.change_since(&held.sample);
-        let age = span(*since, now);
+        let age = span(since, now);
         let ends = match rule.pairs {
             Pairs::FirstCrossings => x >= self.threshold,
             Pairs::WeightedLags | Pairs::Published => {
@@ -159,13 +197,41 @@ impl<S: Sample> Hold<S> {
             }
             return None;
         }
-        let label = Label {
-            x,
-            changed: differs(&newest.command, &held.command, rule.quantum),
-            weight: 1.0,
-        };
-        self.held = Some((now, *newest));
-        Some(End::Label(label))
+        match (&newest.command, &held.command) {
+            (Commanded::Over(run), Commanded::Over(before)) => {
+                let (run, replaced) = (*run, before.command());
+                self.state = State::Ended { x, run, replaced };
+                None
+            }
+            (newest, held) => {
+                let label = Label {
+                    x,
+                    changed: newest.change_since(held) >= rule.counts,
+                    weight: 1.0,
+                };
+                self.state = anew;
+                Some(End::Label(label))
+            }
+        }
+    }
+}
+
+impl Commanded {
+    fn course(&self) -> Option<&Course> {
+        match self {
+            Self::Now(_) => None,
+            Self::Over(course) => Some(course),
+        }
+    }
+}
+
+impl Sample for Commanded {
+    fn change_since(&self, reference: &Self) -> f32 {
+        match (self, reference) {
+            (Self::Now(command), Self::Now(before)) => command.change_since(before),
+            (Self::Over(course), Self::Over(before)) => course.change_since(before),
+            _ => 0.0,
+        }
     }
 }
 
@@ -198,7 +264,7 @@ mod tests {
         Rule {
             reference,
             pairs: Pairs::FirstCrossings,
-            quantum: 1.0 / 255.0,
+            counts: 1.0 / 255.0,
             failsafe: micros(100_000),
         }
     }
@@ -211,7 +277,7 @@ mod tests {
             let rate = step as f32 * 1e-4;
             let newest = Held {
                 sample: Vec3::new(rate, 0.0, 0.0),
-                command: MotorShares::all(0.5 + 0.06 * rate, 4),
+                command: Commanded::Now(MotorShares::all(0.5 + 0.06 * rate, 4)),
                 rates: Vec3::ZERO,
             };
             holds.take(

@@ -51,7 +51,7 @@ impl<D: SpiDevice> Drivers<D> {
         match input {
             Input::ChipAccel => work(&mut self.lsm303agr.half(Half::Accel)),
             Input::ChipMag => work(&mut self.lsm303agr.half(Half::Mag)),
-            Input::Gyro | Input::Accel | Input::Turned | Input::Command => {
+            Input::Gyro | Input::Accel | Input::Turned | Input::Command | Input::Owed => {
                 Err(OrderError::Identity)
             }
         }

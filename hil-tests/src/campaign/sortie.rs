@@ -143,7 +143,7 @@ impl Job {
         }
         match sortie.role {
             Role::Unforeseen => {
-                settings.triggers = Inputs::OF_IMU.without(Input::Command);
+                settings.triggers = Inputs::OF_IMU.without(Input::Command).without(Input::Owed);
             }
             Role::PRun(thousandths) => settings.p_run = thousandths as f32 / 1000.0,
             Role::Failsafe(ms) => settings.failsafe = micros(u64::from(ms) * 1000),

@@ -116,6 +116,10 @@ impl ControlLogic for Tapped {
         self.logic.estimate()
     }
 
+    fn mixer(&self) -> &reflex::airframe::Mixer {
+        self.logic.mixer()
+    }
+
     fn mixed(&self) -> &Mixed {
         self.logic.mixed()
     }

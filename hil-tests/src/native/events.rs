@@ -171,6 +171,13 @@ impl NativeBoard {
             self.refit = Some(job.fit());
             self.agenda.set(Event::Refit, self.now_ns + REFIT_NS);
         }
+        if let Some(sounding) = self.pilot.sounding_due(self.vectors.now) {
+            let now = self.vectors.now;
+            for column in sounding.columns() {
+                self.pilot.on_column(now, column);
+            }
+            self.pilot.on_sounded(now);
+        }
     }
 
     /// Swaps a fit in.

@@ -107,6 +107,7 @@ impl Evidence<'_, '_> {
         let (unit_name, unit) = match input.declaration().unit {
             Unit::Named(name) => (name, 1.0),
             Unit::Quantum => ("quanta", self.options.settings.quantum),
+            Unit::QuantumTime => ("quantum ms", self.options.settings.quantum * 1e-3),
         };
         let model = match fit {
             Fit::Model(model) => Some(model),

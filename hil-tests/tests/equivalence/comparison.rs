@@ -70,7 +70,7 @@ impl Comparison {
     ///
     /// `first` is the sample that the chip was armed with.
     pub fn new(reference: Reference, threshold: f32, unit: f64, first: Sample) -> Self {
-        let mut software = reactive::Decision::new(0.5);
+        let mut software = reactive::Decision::new(0.5, reactive::Rest::Open);
         // At even odds the model's threshold is -b1/b2.
         let (b1, b2) = (-threshold, 1.0);
         software.set_fit(Fit::Model(Logistic { b1, b2 }));

@@ -22,9 +22,15 @@ use recorded_flights::recordings::flights;
 
 /// Which inputs are shown, and in which of the settings: one in which the input is fitted.
 fn panels() -> Vec<(Input, usize)> {
-    let of_imu = [Input::Command, Input::Gyro, Input::Turned, Input::Accel].into_iter();
-    of_imu
-        .zip([0, 1, 2, 1])
+    let of_imu = [
+        Input::Command,
+        Input::Owed,
+        Input::Gyro,
+        Input::Turned,
+        Input::Accel,
+    ];
+    (of_imu.into_iter())
+        .zip([0, 3, 1, 2, 1])
         .chain(Input::OF_CHIPS.map(|input| (input, 2)))
         .collect()
 }
@@ -38,6 +44,7 @@ fn unit_of(input: Input) -> String {
     match input.declaration().unit {
         Unit::Named(unit) => unit.replace("s2", "s²"),
         Unit::Quantum => "share of full scale".to_owned(),
+        Unit::QuantumTime => "share of full scale times s".to_owned(),
     }
 }
 

@@ -10,7 +10,7 @@ use hil_tests::replay::options::ReplayOptions;
 use recorded_flights::recordings::flights;
 
 /// The triggers that make each of the leading inputs lead.
-pub(super) fn settings() -> [(&'static str, Settings); 3] {
+pub(super) fn settings() -> [(&'static str, Settings); 4] {
     let of = |triggers| Settings {
         triggers,
         ..reflex::config::SETTINGS
@@ -22,6 +22,7 @@ pub(super) fn settings() -> [(&'static str, Settings); 3] {
         ("default", all),
         ("without command", without_command),
         ("turned and chips", turned),
+        ("impulse owed", of(Inputs::ALL.without(Input::Command))),
     ]
 }
 

@@ -5,7 +5,7 @@
 //! nothing is clipped. The original takes each motor's share as symmetric about zero; here its
 //! true extremes are kept, which matters where yaw comes with roll.
 
-use super::{Allocation, Sharing};
+use super::{Allocation, Shared, Sharing};
 use crate::units::{Thrust, TorqueDemand};
 
 /// All three axes alike.
@@ -20,13 +20,17 @@ impl Sharing for Evenly {
         motors: &Allocation<N>,
         torque: TorqueDemand,
         thrust: Thrust,
-    ) -> ([f32; N], bool) {
+    ) -> Shared<N> {
         let mut turn = motors.tilt(torque);
         for (turn, yaw) in turn.iter_mut().zip(&motors.yaw) {
             *turn += yaw * torque.0.z;
         }
         let fitted = motors.fitted(turn, thrust);
-        (fitted.shares.map(|share| motors.armed(share)), fitted.cut)
+        Shared {
+            shares: fitted.shares.map(|share| motors.armed(share)),
+            cut: fitted.cut,
+            spare: f32::INFINITY,
+        }
     }
 }
 

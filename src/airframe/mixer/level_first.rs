@@ -2,7 +2,7 @@
 //!
 //! A drone that is level can be saved, one that keeps its heading cannot.
 
-use super::{Allocation, Sharing};
+use super::{Allocation, Shared, Sharing};
 use crate::math::{max, min};
 use crate::units::{Thrust, TorqueDemand};
 
@@ -16,14 +16,18 @@ impl Sharing for LevelFirst {
         motors: &Allocation<N>,
         torque: TorqueDemand,
         thrust: Thrust,
-    ) -> ([f32; N], bool) {
+    ) -> Shared<N> {
         let fitted = motors.fitted(motors.tilt(torque), thrust);
         let mut shares = fitted.shares;
         let yaw_fit = motors.yaw_headroom(&shares, torque.0.z);
         for (share, yaw) in shares.iter_mut().zip(&motors.yaw) {
             *share = motors.armed(*share + yaw * torque.0.z * yaw_fit);
         }
-        (shares, fitted.cut || fitted.shifted || yaw_fit < 1.0)
+        Shared {
+            shares,
+            cut: fitted.cut || fitted.shifted || yaw_fit < 1.0,
+            spare: f32::INFINITY,
+        }
     }
 }
 

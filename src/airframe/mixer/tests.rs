@@ -26,7 +26,9 @@ fn frame(name: &'static str) -> Frame {
     let geometry = load_chosen(&folder, chosen).expect(name).airframe;
     let mixer = Mixer::new(&geometry.geometry());
     let mix = Box::new(move |torque, thrust| {
-        let Mixed { shares, saturated } = mixer.mix(torque, thrust, &LevelFirst);
+        let Mixed {
+            shares, saturated, ..
+        } = mixer.mix(torque, thrust, &LevelFirst);
         (shares.to_vec(), saturated)
     });
     Frame {

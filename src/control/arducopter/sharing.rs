@@ -4,7 +4,7 @@
 //! them, and a headroom at least; thrust may be raised towards hover to keep the attitude, and
 //! where that does not suffice, roll, pitch and yaw shrink together.
 
-use crate::airframe::{Allocation, Sharing};
+use crate::airframe::{Allocation, Shared, Sharing};
 use crate::math::{between, limited, max, min};
 use crate::settings::gains::arducopter::Thrust as ThrustGains;
 use crate::units::{Thrust, TorqueDemand};
@@ -31,20 +31,25 @@ impl Sharing for AroundHover<'_> {
         motors: &Allocation<N>,
         torque: TorqueDemand,
         thrust: Thrust,
-    ) -> ([f32; N], bool) {
+    ) -> Shared<N> {
         let (least, span, priority) = (motors.least, motors.span(), self.gains.attitude_priority);
         let mut turning = motors.tilt(torque);
         let wanted = thrust.share() * span;
         let raised = wanted * (1.0 - priority) + self.hover * span * priority;
         let most = min(max(raised, wanted), span);
         let headroom = motors.yaw_left(&turning, torque.0.z, min(most, 0.5 * span));
-        let turn = limited(torque.0.z, max(headroom, self.gains.yaw_headroom * span));
+        let most_turn = max(headroom, self.gains.yaw_headroom * span);
+        let turn = limited(torque.0.z, most_turn);
         for (turning, yaw) in turning.iter_mut().zip(&motors.yaw) {
             *turning += yaw * turn;
         }
         let (base, fit) = fitted(&turning, wanted, most, span);
         let shares = turning.map(|turning| between(least + base + turning * fit, least, 1.0));
-        (shares, fit < 1.0 || base < wanted || turn != torque.0.z)
+        Shared {
+            shares,
+            cut: fit < 1.0 || base < wanted || turn != torque.0.z,
+            spare: most_turn - torque.0.z.abs(),
+        }
     }
 }
 

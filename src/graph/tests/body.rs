@@ -72,6 +72,16 @@ impl Body {
         }
     }
 
+    /// The motion since the last run.
+    pub fn motion(&self) -> Motion {
+        self.arrival.motion()
+    }
+
+    /// A gust turns it (rad/s).
+    pub fn push(&mut self, turn: Vec3) {
+        self.rates += turn;
+    }
+
     /// A run of the logic on what came since the last one.
     pub fn run<L: ControlLogic>(&mut self, logic: &mut L) {
         let motion: Motion = self.arrival.take_motion();

@@ -1,13 +1,13 @@
 //! One input: what it is measured against, what it learned, and how.
 
-use crate::airframe::MotorShares;
 use crate::config::{
     Changes, FORGETTING, LABELS_OF_EACH_CLASS, LONGEST_WARM_UP, REFIT_INTERVAL, STABLE_CHANGE,
     of_input,
 };
 use crate::math::Vec3;
 use crate::reactive::{
-    Decision, Fit, Held, Label, Labels, Lead, Logistic, Rule, Sample, ShadowHolds, Watch,
+    Commanded, Decision, Fit, Held, Label, Labels, Lead, Logistic, Rest, Rule, Sample, ShadowHolds,
+    Watch,
 };
 use crate::sensors::{Input, Unit};
 use crate::settings::Settings;
@@ -24,6 +24,7 @@ pub fn changes_of(input: Input, settings: &Settings) -> Changes {
     match input.declaration().unit {
         Unit::Named(_) => changes,
         Unit::Quantum => changes.times(settings.quantum),
+        Unit::QuantumTime => changes.times(settings.quantum * 1e-3),
     }
 }
 
@@ -52,7 +53,7 @@ pub(in crate::reactive) struct Lesson {
 /// What is shown to an input's shadow holds, besides its sample.
 pub(super) struct Showing {
     pub(super) now: Instant,
-    pub(super) command: MotorShares,
+    pub(super) command: Commanded,
     pub(super) rates: Vec3,
     pub(super) rule: Rule,
     pub(super) lead: Lead,
@@ -61,12 +62,12 @@ pub(super) struct Showing {
 }
 
 impl<S: Sample> Learner<S> {
-    pub(super) fn new(input: Input, settings: &Settings) -> Self {
+    pub(super) fn new(input: Input, settings: &Settings, rest: Rest) -> Self {
         let changes = &changes_of(input, settings);
         Self {
             watch: Watch::new(settings.reference),
             lesson: Lesson {
-                decision: Decision::new(settings.p_run),
+                decision: Decision::new(settings.p_run, rest),
                 labels: Labels::new(changes),
                 triggers: settings.triggers.contains(input),
                 refitted: Instant::from_ticks(0),
@@ -182,9 +183,15 @@ impl Lesson {
         self.stable = 0;
     }
 
-    /// Counts what the present change came to; nothing where no change was measured.
-    pub(super) fn label(&mut self, changed: bool, weight: f32) -> Option<Label> {
-        let x = self.decision.change()?;
+    /// Counts what the change that a run met came to; nothing where none was measured.
+    ///
+    /// The run that is going on, or, `late`, the one before.
+    pub(super) fn label(&mut self, changed: bool, weight: f32, late: bool) -> Option<Label> {
+        let x = if late {
+            self.decision.met()?
+        } else {
+            self.decision.change()?
+        };
         let label = Label { x, changed, weight };
         self.labels.add(&label);
         Some(label)

@@ -2,11 +2,18 @@
 
 use super::learner::PATIENCE;
 use super::*;
-use crate::airframe::MotorShares;
+use crate::airframe::{Mixer, MotorShares};
 use crate::config::{HYPERPERIOD, SETTINGS};
 use crate::reactive::RefitJob;
+use crate::reactive::owed::axes_of;
 use crate::time::{Duration, micros};
 use proptest::prelude::*;
+
+/// Where the command at one instant leads.
+const DEAD_BAND: Settings = Settings {
+    triggers: Inputs::ALL.without(Input::Owed),
+    ..SETTINGS
+};
 
 /// Learners that are shown a run per hyperperiod.
 struct School {
@@ -18,7 +25,7 @@ struct School {
 impl School {
     fn new(settings: &Settings) -> Self {
         Self {
-            learners: Learners::new(settings),
+            learners: Learners::new(settings, axes_of(&Mixer::default())),
             now: Instant::from_ticks(0),
             turned: Inputs::NONE,
         }
@@ -60,7 +67,7 @@ fn swing(quanta: f32) -> impl Fn(f32) -> f32 {
 
 #[test]
 fn an_input_that_crosses_no_candidate_turns_to_lags_in_time() {
-    let mut school = School::new(&SETTINGS);
+    let mut school = School::new(&DEAD_BAND);
     school.show(PATIENCE, swing(0.01));
     assert_eq!(school.turned, Inputs::NONE);
     let labels = school.learners.command.lesson.labels.total();
@@ -74,7 +81,7 @@ fn an_input_that_crosses_no_candidate_turns_to_lags_in_time() {
 
 #[test]
 fn an_input_that_learns_keeps_its_first_crossings() {
-    let mut school = School::new(&SETTINGS);
+    let mut school = School::new(&DEAD_BAND);
     school.show(PATIENCE * 2, swing(8.0));
     assert_eq!(school.turned, Inputs::NONE);
     assert!(school.learners.command.lesson.decision.model().is_some());
@@ -82,7 +89,7 @@ fn an_input_that_learns_keeps_its_first_crossings() {
 
 #[test]
 fn holds_that_begin_anew_are_given_as_long_again() {
-    let mut school = School::new(&SETTINGS);
+    let mut school = School::new(&DEAD_BAND);
     school.show(PATIENCE, swing(0.01));
     school.learners.restart_holds();
     school.show(PATIENCE, swing(0.01));
@@ -91,7 +98,7 @@ fn holds_that_begin_anew_are_given_as_long_again() {
 
 #[test]
 fn learning_from_scratch_begins_with_first_crossings_again() {
-    let mut school = School::new(&SETTINGS);
+    let mut school = School::new(&DEAD_BAND);
     school.show(PATIENCE + micros(600_000), swing(0.01));
     let pairs = |school: &School| school.learners.rule_for(Input::Command).pairs;
     assert_eq!(pairs(&school), Pairs::WeightedLags);
@@ -103,7 +110,7 @@ fn learning_from_scratch_begins_with_first_crossings_again() {
 fn pairs_that_were_asked_for_stay() {
     let mut school = School::new(&Settings {
         pairs: Pairs::Published,
-        ..SETTINGS
+        ..DEAD_BAND
     });
     school.show(PATIENCE * 2, swing(0.01));
     assert_eq!(school.turned, Inputs::NONE);
@@ -114,7 +121,7 @@ proptest! {
 
     #[test]
     fn after_patience_an_input_has_a_model_or_lags(quanta in 0.0f32..12.0) {
-        let mut school = School::new(&SETTINGS);
+        let mut school = School::new(&DEAD_BAND);
         school.show(PATIENCE + micros(600_000), swing(quanta));
         let model = school.learners.command.lesson.decision.model();
         let lags = school.turned.contains(Input::Command);

@@ -1,0 +1,228 @@
+//! A prediction as coefficients: of motions, and of their sums over time.
+
+use core::f32::consts::TAU;
+
+use super::sounding::Column;
+use crate::airframe::Axes;
+use crate::estimate::{Motion, Rotation};
+use crate::math::Vec3;
+use crate::reactive::owed::{Impulse, OfAxes};
+
+/// How many slopes an axis has: rates, angular accelerations and angles about three axes.
+const SLOPES: usize = 9;
+
+/// Three vectors in a row, as slopes are.
+type Nine = [f32; SLOPES];
+
+/// How a command moves with what the body does, and with time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slopes {
+    /// By axis: per rad/s, per rad/s2, per rad.
+    of_axes: [Nine; Axes::COUNT],
+    /// Per second.
+    drift: OfAxes,
+    /// Time constant (s) of the filter behind the angular acceleration.
+    lag: f32,
+}
+
+/// The impulse owed as an affine form of what the arrival stage knows.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Form {
+    rows: [Row; Axes::COUNT],
+    lag: f32,
+}
+
+/// Coefficients of one axis.
+#[derive(Clone, Copy, Debug, Default)]
+struct Row {
+    sums: Nine,
+    time: f32,
+    half_square_of_time: f32,
+    constant: f32,
+}
+
+impl Slopes {
+    /// Flat slopes, for an angular acceleration that is filtered at a corner (Hz).
+    pub(super) fn new(derivative_cutoff: f32) -> Self {
+        Self {
+            of_axes: [[0.0; SLOPES]; Axes::COUNT],
+            drift: OfAxes::default(),
+            lag: 1.0 / (TAU * derivative_cutoff),
+        }
+    }
+
+    /// Takes the slopes of one feature, or the drift.
+    pub(super) fn set(&mut self, column: &Column) {
+        let Some(place) = column.feature.slope() else {
+            self.drift = column.of_axes;
+            return;
+        };
+        for (slopes, value) in self.of_axes.iter_mut().zip(column.of_axes) {
+            if let Some(slope) = slopes.get_mut(place) {
+                *slope = value;
+            }
+        }
+    }
+
+    /// Adds to the drift, per second.
+    pub(super) fn correct_drift(&mut self, by: OfAxes) {
+        for (drift, by) in self.drift.iter_mut().zip(by) {
+            *drift += by;
+        }
+    }
+
+    /// By how much a motion moves the command since a rotation.
+    pub(super) fn change(&self, since: &Rotation, motion: &Motion) -> OfAxes {
+        let features = nine(
+            motion.rotation.rates.0 - since.rates.0,
+            motion.rotation.acceleration - since.acceleration,
+            motion.sums.angle,
+        );
+        let mut change = self.drift.map(|drift| drift * motion.sums.dt);
+        for (change, slopes) in change.iter_mut().zip(&self.of_axes) {
+            *change += product(slopes, &features);
+        }
+        change
+    }
+}
+
+impl Form {
+    /// The impulse owed since a rotation, at which the command was `off` and so much `owed`.
+    ///
+    /// Summed over time, rates are the angle turned, and the angle is what was swept. Acceleration
+    /// is the change of the rates, less what its filter still holds back: its own change times the
+    /// filter's time constant.
+    pub(super) fn of(slopes: &Slopes, since: &Rotation, off: OfAxes, owed: &Impulse) -> Self {
+        let (rates, acceleration) = (since.rates.0, since.acceleration);
+        let at_first = nine(rates, acceleration, Vec3::ZERO);
+        let summed = nine(Vec3::ZERO, rates - acceleration * slopes.lag, Vec3::ZERO);
+        let mut form = Self {
+            lag: slopes.lag,
+            ..Self::default()
+        };
+        let given = slopes.of_axes.iter().zip(slopes.drift).zip(off).zip(owed.0);
+        for (row, (((slopes, drift), off), owed)) in form.rows.iter_mut().zip(given) {
+            *row = Row {
+                sums: *slopes,
+                time: off - product(slopes, &at_first),
+                half_square_of_time: drift,
+                constant: owed - product(slopes, &summed),
+            };
+        }
+        form
+    }
+
+    /// The impulse owed after a motion.
+    pub(super) fn impulse(&self, motion: &Motion) -> Impulse {
+        let Motion { sums, rotation } = motion;
+        let summed = nine(
+            sums.angle,
+            rotation.rates.0 - rotation.acceleration * self.lag,
+            sums.swept,
+        );
+        let half_square = 0.5 * sums.dt * sums.dt;
+        Impulse(self.rows.each_ref().map(|row| {
+            product(&row.sums, &summed)
+                + (row.time * sums.dt + row.half_square_of_time * half_square)
+                + row.constant
+        }))
+    }
+
+    /// The command jumps by so much, this long (s) after the rotation.
+    pub(super) fn jump(&mut self, by: OfAxes, at: f32) {
+        for (row, by) in self.rows.iter_mut().zip(by) {
+            row.time += by;
+            row.constant -= by * at;
+        }
+    }
+}
+
+fn nine(rates: Vec3, acceleration: Vec3, angle: Vec3) -> Nine {
+    let ([a, b, c], [d, e, f], [g, h, i]) =
+        (rates.to_array(), acceleration.to_array(), angle.to_array());
+    [a, b, c, d, e, f, g, h, i]
+}
+
+fn product(a: &Nine, b: &Nine) -> f32 {
+    a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::Arrival;
+    use crate::reactive::prediction::Feature;
+    use crate::sensors::ImuSample;
+    use crate::time::at_micros;
+    use crate::units::{BodyRates, SpecificForce};
+    use proptest::prelude::*;
+
+    const CUTOFF: f32 = 20.0;
+
+    fn slopes(values: &[f32]) -> Slopes {
+        let mut slopes = Slopes::new(CUTOFF);
+        for (&feature, values) in Feature::ALL.iter().zip(values.chunks_exact(Axes::COUNT)) {
+            slopes.set(&Column {
+                feature,
+                of_axes: values.try_into().expect("a value for each axis"),
+            });
+        }
+        slopes
+    }
+
+    fn arrive(arrival: &mut Arrival, at: u64, rates: [f32; 3]) {
+        let sample = ImuSample {
+            at: at_micros(at),
+            rates: BodyRates(Vec3::from_array(rates)),
+            force: SpecificForce(Vec3::new(0.0, 0.0, -9.8)),
+        };
+        assert!(arrival.take(&sample, CUTOFF));
+    }
+
+    proptest! {
+        #[test]
+        fn the_form_is_the_predicted_command_summed_over_time(
+            values in prop::collection::vec(-1.0f32..1.0, Axes::COUNT * Feature::COUNT),
+            off in prop::array::uniform4(-0.1f32..0.1),
+            owed in prop::array::uniform4(-1e-3f32..1e-3),
+            before in prop::array::uniform3(-5.0f32..5.0),
+            rates in prop::collection::vec(prop::array::uniform3(-5.0f32..5.0), 1..80),
+        ) {
+            let slopes = slopes(&values);
+            let mut arrival = Arrival::default();
+            arrive(&mut arrival, 0, [0.0; 3]);
+            arrive(&mut arrival, 1000, before);
+            let since = arrival.take_motion().rotation;
+            let form = Form::of(&slopes, &since, off, &Impulse(owed));
+            let (mut summed, mut last) = (owed.map(f64::from), 0.0);
+            // Swept is a sum of trapezoids, the others of rectangles.
+            let mut slack = 1e-6;
+            for (step, rates) in rates.into_iter().enumerate() {
+                arrive(&mut arrival, 1000 + 900 * (step as u64 + 1), rates);
+                let motion = arrival.motion();
+                let dt = motion.sums.dt - last;
+                last = motion.sums.dt;
+                let change = slopes.change(&since, &motion);
+                for (sum, (off, change)) in summed.iter_mut().zip(off.iter().zip(change)) {
+                    *sum += f64::from((off + change) * dt);
+                }
+                slack += 3.0 * 0.5 * 5.0 * dt * dt + dt * dt;
+                for (sum, owed) in summed.iter().zip(form.impulse(&motion).0) {
+                    let miss = (sum - f64::from(owed)).abs();
+                    prop_assert!(miss < f64::from(slack), "{miss} {slack} at {last}");
+                }
+            }
+        }
+
+        #[test]
+        fn a_jump_counts_from_its_instant_on(by in prop::array::uniform4(-0.5f32..0.5), late in 1u64..40) {
+            let mut form = Form::of(&Slopes::new(CUTOFF), &Rotation::default(), [0.0; 4], &Impulse::default());
+            let mut motion = Motion::default();
+            motion.sums.dt = late as f32 * 1e-3;
+            form.jump(by, 0.5e-3 * late as f32);
+            for (owed, by) in form.impulse(&motion).0.into_iter().zip(by) {
+                prop_assert!((owed - by * 0.5e-3 * late as f32).abs() < 1e-7);
+            }
+        }
+    }
+}
