@@ -41,6 +41,7 @@ use reflex_config::plant::{Environment, Vehicle};
 use crate::firmware::Firmware;
 use crate::logics::AnyGains;
 use crate::progress::Progress;
+use crate::record::Counted;
 
 use flight::Flight;
 pub use mission::Mission;
@@ -55,8 +56,31 @@ const PROGRESS_PERIOD_S: f64 = 0.5;
 pub enum Flyer<'f> {
     /// The autopilot as a library, without a processor.
     Native,
-    /// The firmware on the emulated board, its core so many MHz fast.
-    Emulated(&'f Firmware, u32),
+    /// The firmware on the emulated board.
+    Emulated(Core<'f>),
+}
+
+/// The emulated core that flies.
+#[derive(Clone, Copy, Debug)]
+pub struct Core<'f> {
+    /// What it executes.
+    pub firmware: &'f Firmware,
+    /// How fast it is.
+    pub mhz: u32,
+    /// The instructions of the scored part are counted, for [`Flown::counted`].
+    pub counts: bool,
+}
+
+impl<'f> Core<'f> {
+    /// The processor's own speed, nothing counted.
+    #[must_use]
+    pub const fn of(firmware: &'f Firmware) -> Self {
+        Self {
+            firmware,
+            mhz: 168,
+            counts: false,
+        }
+    }
 }
 
 /// The drone and its surroundings.
@@ -152,8 +176,12 @@ pub fn fly(
         }
     }
     let track = std::mem::take(&mut flight.track);
-    let report = flight.report(scene, flyer)?;
-    Ok(Flown { report, track })
+    let (report, counted) = flight.report(scene, flyer)?;
+    Ok(Flown {
+        report,
+        track,
+        counted,
+    })
 }
 
 /// The result of a flight.
@@ -163,4 +191,6 @@ pub struct Flown {
     pub report: FlightReport,
     /// The drone every 0.1 s from take-off.
     pub track: Vec<Moment>,
+    /// The instructions of the scored part, where they were to be counted.
+    pub counted: Option<Counted>,
 }

@@ -10,10 +10,13 @@ mod declared_options;
 mod flight_numbers;
 mod fly;
 mod graph;
+mod profile;
 mod quantities;
+mod recorded_arguments;
 mod replay;
 mod replay_arguments;
 mod settings_arguments;
+mod simulated_arguments;
 mod sweep_arguments;
 mod sweep_text;
 mod test;
@@ -55,6 +58,8 @@ enum Command {
     Campaign(campaign::CampaignArguments),
     /// Count the instructions of every part on the emulated core, against its limit
     Bench(bench::BenchArguments),
+    /// Count where the instructions of a flight go: by part of the firmware, function and task
+    Profile(profile::ProfileArguments),
     /// Draw a control logic as a graph, for Graphviz and as SVG
     Graph(graph::GraphArguments),
     /// Run everything that continuous integration runs
@@ -80,6 +85,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Fly(arguments) => fly::run(arguments),
         Command::Campaign(arguments) => campaign::run(arguments),
         Command::Bench(arguments) => bench::run(arguments),
+        Command::Profile(arguments) => profile::run(arguments),
         Command::Graph(arguments) => graph::run(arguments),
         Command::Test => test::run(),
     };

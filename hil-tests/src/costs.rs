@@ -5,6 +5,7 @@
 //! | `parts` | parts of the library one by one, in a program of their own |
 //! | `logics`, `steps` | every control logic in four ways, on made-up steps and recorded flights |
 //! | `flight` | the firmware while it flies: handlers, interrupt to motors, locks |
+//! | `hover`, `budget` | parts of the firmware in a hover, per sample, against `budget.toml` |
 //! | `activations`, `locks` | who executed which instructions; how long idle holds a lock |
 //! | `table` | all of it, against its limits |
 //!
@@ -12,7 +13,9 @@
 //! and lower bounds of the cycles on silicon.
 
 mod activations;
+mod budget;
 mod flight;
+mod hover;
 mod locks;
 mod logics;
 mod parts;
@@ -24,6 +27,7 @@ mod tests;
 
 use anyhow::Result;
 
+pub use budget::Budget;
 pub use logics::{FlightCost, LogicCost, WayCost};
 #[cfg(test)]
 pub(crate) use program::at_rest;
@@ -51,10 +55,12 @@ pub fn measure(flights: &[Flight], progress: &mut dyn Progress) -> Result<Costs>
     let logics = measure_logics(flights, progress)?;
     let firmware = Firmware::build(LogicName::configured(), progress)?;
     let flown = flight::measure(&firmware, progress)?;
+    let hover = hover::measure(&firmware, progress)?;
     parts.extend(flown.parts);
     Ok(Costs {
         core_hz: CORE_HZ,
         parts,
+        hover,
         logics,
         firmware: flown.memory,
         locks: flown.locks,

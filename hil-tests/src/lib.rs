@@ -10,6 +10,7 @@
 //! - [`closed_loop`]: a simulated drone in wind instead of a recorded flight
 //! - `native`: the same flights without the emulator, a hundred times as fast
 //! - [`costs`]: instructions, memory and locks of the firmware, against limits
+//! - [`profile`]: where the instructions of a flight go, by part, function and task
 //! - [`sweep`]: many of those over a grid of settings, drawn with [`plot`]
 //! - [`picture`]: control logics drawn as graphs
 //! - [`firmware`]: builds and measures the ELF, with the [`toolchain`] it needs
@@ -27,6 +28,7 @@ mod native;
 mod output_file;
 pub mod picture;
 pub mod plot;
+pub mod profile;
 pub mod progress;
 mod record;
 pub mod refusal;

@@ -7,12 +7,17 @@
 
 mod alignment;
 mod call_stream;
+mod counted;
+mod handlers;
 mod looks;
 mod mirror;
 pub(crate) mod motor_timers;
 mod observation;
 
 pub(crate) use alignment::{AlignedRun, Alignment};
+pub use counted::Counted;
+pub(crate) use counted::CountedFrom;
+pub(crate) use handlers::HANDLERS;
 pub(crate) use looks::{ChipState, Look, OfChips, samples_since};
 pub(crate) use mirror::Mirror;
-pub(crate) use observation::{DecodedLog, HANDLERS, Observation};
+pub(crate) use observation::{DecodedLog, Observation, WAY};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use anyhow::{Context, Result, bail};
-use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
+use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
 
 use super::Watched;
 
@@ -128,6 +128,23 @@ impl Elf {
             .collect())
     }
 
+    /// The code of the program.
+    pub fn executable(&self) -> Code {
+        let sections = object::File::parse(&*self.bytes)
+            .into_iter()
+            .flat_map(|file| {
+                let code = file
+                    .sections()
+                    .filter(|section| section.kind() == SectionKind::Text);
+                let code = code.filter_map(|section| {
+                    let start = u32::try_from(section.address()).ok()?;
+                    Some((start, section.data().ok()?.to_vec()))
+                });
+                code.collect::<Vec<_>>()
+            });
+        Code(sections.collect())
+    }
+
     /// Writes over a constant in the image, before it is loaded: at most what it has room for.
     ///
     /// `path` is the end of its path, as in [`Self::function`].
@@ -177,11 +194,45 @@ impl Elf {
 
     /// The function that holds `pc`, for a message: `name (pc 0x...)`.
     pub fn place(&self, pc: u64) -> String {
-        let name = u32::try_from(pc).ok().and_then(|pc| {
-            let (start, (size, name)) = self.functions.range(..=pc).next_back()?;
-            (pc - start < (*size).max(2)).then_some(name.as_str())
-        });
+        let name = u32::try_from(pc).ok().and_then(|pc| self.function_at(pc));
         format!("{} (pc {pc:#010x})", name.unwrap_or("unknown code"))
+    }
+
+    /// Name of the function that holds an address.
+    pub fn function_at(&self, address: u32) -> Option<&str> {
+        let (start, (size, name)) = self.functions.range(..=address).next_back()?;
+        (address - start < (*size).max(2)).then_some(name.as_str())
+    }
+
+    /// Name of the function that handles an exception, by its number.
+    pub fn handler(&self, exception: u16) -> Option<&str> {
+        let file = object::File::parse(&*self.bytes).ok()?;
+        let vectors = file.section_by_name(".vector_table")?.data().ok()?;
+        let (words, _) = vectors.as_chunks();
+        let address = u32::from_le_bytes(*words.get(usize::from(exception))?);
+        self.function_at(address & !1)
+    }
+}
+
+/// The bytes of a program's code, by the address of their first.
+#[derive(Clone, Debug, Default)]
+pub struct Code(Vec<(u32, Vec<u8>)>);
+
+impl<const N: usize> From<[(u32, Vec<u8>); N]> for Code {
+    fn from(sections: [(u32, Vec<u8>); N]) -> Self {
+        Self(sections.into())
+    }
+}
+
+impl Code {
+    /// The half-word at an address, where there is code.
+    #[must_use]
+    pub fn half_word(&self, address: u32) -> Option<u16> {
+        self.0.iter().find_map(|(start, bytes)| {
+            let at = address.checked_sub(*start)? as usize;
+            let half = bytes.get(at..at + 2)?;
+            Some(u16::from_le_bytes([half[0], half[1]]))
+        })
     }
 }
 

@@ -15,6 +15,7 @@
 //! | `sensors`, `link` | the chips and the ground station on the buses |
 //! | `reflex_f427` | crystal, buses, lines and motors of the reference board |
 //! | `wiring` | whether the firmware uses the pins and buffers that are wired |
+//! | `metered`, `meter`, `thumb` | the core, with a meter of what it executes |
 //! | `run_loop`, `health`, `memory` | polls, faults, stack |
 //! | `batch` | what crosses between the two threads |
 //!
@@ -27,6 +28,8 @@ mod exti;
 mod health;
 mod link;
 mod memory;
+mod meter;
+mod metered;
 mod part;
 mod pwm_timer;
 mod reflex_f427;
@@ -35,6 +38,7 @@ mod sensors;
 mod syscfg;
 #[cfg(test)]
 mod tests;
+mod thumb;
 mod wiring;
 
 pub use reflex_f427::Line;
@@ -54,6 +58,7 @@ use rigless::time::VirtualNanos;
 
 use self::batch::{Batch, Command, Message};
 use self::link::Link;
+use self::meter::SharedMeter;
 use self::part::{Part, Rig};
 use self::run_loop::RunLoop;
 use super::log::LogDecoder;
@@ -85,14 +90,16 @@ impl EmulatedBoard {
         let image = Image::new(Path::new("the firmware"), elf.bytes().to_vec(), None)?;
         let part = Part::new(sensors, Link::default())?;
         let instructions_per_second = options.instructions_per_second;
+        let meter = SharedMeter::default();
         let rig = Rig {
             part,
             instructions_per_second,
+            meter: meter.clone(),
         };
         let session = Session::new(Box::new(rig), 0, VirtualNanos(0))?;
         let (commands, obeyed) = mpsc::channel();
         let (told, messages) = mpsc::sync_channel(MESSAGES_AHEAD);
-        let run_loop = RunLoop::new(elf, options, obeyed, told.clone())?;
+        let run_loop = RunLoop::new((elf, meter), options, obeyed, told.clone())?;
         thread::Builder::new()
             .name("emulated board".into())
             .spawn(move || run(session, &[image], run_loop, &told))
@@ -201,6 +208,11 @@ impl Board for EmulatedBoard {
         let _ = self.command(Command::Transmit(at_ns, bytes.to_vec()));
     }
 
+    fn count(&mut self) {
+        // As for `transmit`.
+        let _ = self.command(Command::Count);
+    }
+
     fn now_ns(&self) -> u64 {
         self.now_ns
     }
@@ -225,6 +237,7 @@ impl Board for EmulatedBoard {
                 motor_period_ns: last.motor_period_ns,
                 damaged_log_frames: self.log.damaged(),
                 unmodelled: last.unmodelled,
+                tally: last.tally,
             });
         }
     }

@@ -16,6 +16,7 @@ pub mod log;
 pub mod motors;
 pub mod outcome;
 pub mod rings;
+pub mod tally;
 
 use std::num::NonZeroU64;
 
@@ -25,6 +26,7 @@ pub use fault::{Fault, FaultKind};
 pub use log::LogLine;
 pub use motors::{MOTORS, MotorWrite};
 pub use outcome::{LinkUse, Load, Outcome, StackUse};
+pub use tally::{Came, Tally};
 
 /// Symbol of the call log ring that the firmware keeps for its observer.
 pub const CALLS_SYMBOL: &str = "REFLEX_CALLS";
@@ -154,6 +156,9 @@ pub trait Board {
     /// Frames are to be given in order of time and not before the instant the
     /// board has reached; one that would overlap its predecessor follows it.
     fn transmit(&mut self, at_ns: u64, bytes: &[u8]);
+
+    /// Counts from here on which instructions are executed, for [`Outcome::tally`].
+    fn count(&mut self);
 
     /// The instant reached, in ns.
     fn now_ns(&self) -> u64;

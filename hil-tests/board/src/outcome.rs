@@ -1,5 +1,7 @@
 //! What a run leaves behind: load, stack, link, and gaps of the model.
 
+use crate::Tally;
+
 /// Results that are known only once a run has ended.
 #[derive(Clone, Debug)]
 pub struct Outcome {
@@ -19,6 +21,8 @@ pub struct Outcome {
     ///
     /// Each is `INSTANCE.REGISTER`. They read and keep what was written.
     pub unmodelled: Vec<String>,
+    /// The instructions, where they were counted.
+    pub tally: Option<Tally>,
 }
 
 /// Bytes that crossed the link.

@@ -10,15 +10,12 @@ use clap::ValueEnum;
 
 use super::journal::{Landed, Ways};
 use super::sortie::{Job, Sortie, Tier};
-use crate::closed_loop::{self, Flyer, Scene};
+use crate::closed_loop::{self, Core, Flyer, Scene};
 use crate::costs;
 use crate::firmware::Firmware;
 use crate::logics::LogicName;
 use crate::progress::{Progress, Silent};
 use recorded_flights::{Flight, Rotate, sample_flight};
-
-/// Speed of the emulated core, MHz.
-const CLOCK_MHZ: u32 = 168;
 
 /// Takes a finished flight, and says how far the campaign is.
 pub type Take<'t> = &'t mut dyn FnMut(Landed, &mut dyn Progress) -> Result<()>;
@@ -146,7 +143,7 @@ fn fly(job: &Job, scenes: &Scenes<'_>, firmware: &BTreeMap<&str, Firmware>) -> R
         Tier::Native => Flyer::Native,
         Tier::Emulated => {
             let firmware = firmware.get(sortie.logic.as_str());
-            Flyer::Emulated(firmware.context("no firmware was built")?, CLOCK_MHZ)
+            Flyer::Emulated(Core::of(firmware.context("no firmware was built")?))
         }
     };
     let scene = scenes.get(&place(sortie));

@@ -6,20 +6,20 @@
 use std::num::NonZeroU64;
 use std::sync::Arc;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use reflex::app::Call;
 use reflex::reactive::Phase;
 use reflex::settings::MotorProtocol;
 
+use super::Core;
 use super::desired::Desired;
 use super::report::Cpu;
-use super::tier::{Applied, Tier, TimedRan};
-use crate::firmware::Firmware;
+use super::tier::{Applied, Ended, Tier, TimedRan};
 use crate::ground_station::LinkFrame;
 use crate::logics::Start;
 use crate::native::nanos;
 use crate::record::motor_timers::{throttle, update_period_ns};
-use crate::record::{Alignment, Mirror, Observation};
+use crate::record::{Alignment, CountedFrom, Mirror, Observation};
 use crate::scoring::MotorDigest;
 use chip_models::{ChipOptions, SharedChips, StimulusSource};
 use emulated_board::emulated::{EmulatedBoard, Sensors};
@@ -42,22 +42,25 @@ pub(super) struct EmulatedTier {
     runs: Vec<TimedRan>,
     protocol: MotorProtocol,
     motor_count: usize,
+    /// The instructions of the scored part are to be counted.
+    counts: bool,
+    counted_from: Option<CountedFrom>,
 }
 
 impl EmulatedTier {
-    /// Boots firmware on a core of a speed, with chips that feel a source.
+    /// Boots firmware on a core, with chips that feel a source.
     pub(super) fn boot(
-        firmware: &Firmware,
+        core: &Core<'_>,
         start: &Start,
         source: &Arc<dyn StimulusSource>,
         chips: ChipOptions,
-        instructions_per_second: NonZeroU64,
     ) -> Result<Self> {
         let sensors = Sensors::from(&SharedChips::feeling(source, chips));
-        let elf = Arc::new(Elf::parse(firmware.bytes.clone())?);
+        let elf = Arc::new(Elf::parse(core.firmware.bytes.clone())?);
+        let instructions_per_second = NonZeroU64::new(u64::from(core.mhz) * 1_000_000);
         let options = Options {
             settings: Some(start.to_bytes()),
-            instructions_per_second,
+            instructions_per_second: instructions_per_second.context("no clock")?,
             ..Options::default()
         };
         Ok(Self {
@@ -69,6 +72,8 @@ impl EmulatedTier {
             runs: Vec::new(),
             protocol: start.settings.motors,
             motor_count: start.airframe.count(),
+            counts: core.counts,
+            counted_from: None,
         })
     }
 
@@ -138,7 +143,14 @@ impl Tier for EmulatedTier {
         sample_ns + SHORTEST_ANSWER_NS
     }
 
-    fn finish(self: Box<Self>, from_ns: u64) -> Result<(Option<Cpu>, String)> {
+    fn begin_scored(&mut self) {
+        if self.counts {
+            let counted_from = CountedFrom::here(&mut *self.board, &self.observation);
+            self.counted_from = Some(counted_from);
+        }
+    }
+
+    fn finish(self: Box<Self>, from_ns: u64) -> Result<Ended> {
         let outcome = self.board.finish()?;
         Alignment::of(&self.observation, self.protocol)?;
         let mut digest = MotorDigest::new();
@@ -148,6 +160,11 @@ impl Tier for EmulatedTier {
         let cpu = Cpu {
             busy_fraction: outcome.load.busy_fraction(from_ns),
         };
-        Ok((Some(cpu), digest.hex()))
+        let counted = |from: CountedFrom| from.to_end(&self.observation, &outcome);
+        Ok(Ended {
+            cpu: Some(cpu),
+            digest: digest.hex(),
+            counted: self.counted_from.and_then(counted),
+        })
     }
 }

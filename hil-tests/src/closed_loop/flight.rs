@@ -1,9 +1,8 @@
 //! A flight under way: world and autopilot in lockstep, looked at every 10 ms.
 
-use std::num::NonZeroU64;
 use std::sync::Arc;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use reflex::graph::ControlLogic;
 use reflex::reactive::Phase;
 
@@ -71,10 +70,7 @@ impl<'o> Flight<'o> {
         };
         let tier: Box<dyn Tier> = match flyer {
             Flyer::Native => Box::new(NativeTier::boot(&start, &source, chips)),
-            Flyer::Emulated(firmware, mhz) => {
-                let speed = NonZeroU64::new(u64::from(mhz) * 1_000_000).context("no clock")?;
-                Box::new(EmulatedTier::boot(firmware, &start, &source, chips, speed)?)
-            }
+            Flyer::Emulated(core) => Box::new(EmulatedTier::boot(&core, &start, &source, chips)?),
         };
         let flies_to_goals = start.logic().flies_to_goals();
         Ok(Self {
@@ -178,6 +174,7 @@ impl<'o> Flight<'o> {
     fn judge(&mut self, target: &Target, desired: &Desired) {
         let state = self.world.state();
         if self.scored.is_none() && self.begins_to_count() {
+            self.tier.begin_scored();
             self.scored = Some(Scored {
                 from_ns: self.now_ns,
                 energy_j: state.energy_used,

@@ -7,6 +7,7 @@ use super::flight::{Flight, Scored};
 use super::report::{AxisErrors, Control, CrashReport, FlightReport};
 use super::station::TAKE_OFF_NS;
 use super::{Flyer, Scene};
+use crate::record::Counted;
 
 /// What is left in the battery where flight time ends (Bregu et al. 2016, section 7.1).
 const RESERVE: f64 = 0.2;
@@ -18,12 +19,16 @@ struct Whole<'f> {
 }
 
 impl Flight<'_> {
-    /// Every number; where there is no scored part, or the flight ended before its time, none is
+    /// Every number, and instructions where they were counted; where there is no scored part, or the flight ended before its time, none is
     /// made up.
     ///
     /// # Errors
     /// What only the end shows of the firmware.
-    pub(super) fn report(self, scene: &Scene, flyer: Flyer<'_>) -> Result<FlightReport> {
+    pub(super) fn report(
+        self,
+        scene: &Scene,
+        flyer: Flyer<'_>,
+    ) -> Result<(FlightReport, Option<Counted>)> {
         let (options, crash) = (self.options, self.crash());
         let whole = self.whole().filter(|_| crash.is_none());
         let state = self.world.state();
@@ -45,14 +50,14 @@ impl Flight<'_> {
         let control = self.control(whole.map(|whole| whole.length_s));
         let duration_s = self.since_take_off_s().max(0.0);
         let from_ns = self.scored.as_ref().map(|scored| scored.from_ns);
-        let (cpu, digest) = self.tier.finish(from_ns.unwrap_or_default())?;
+        let ended = self.tier.finish(from_ns.unwrap_or_default())?;
         let (tier, clock_mhz) = match flyer {
             Flyer::Native => ("native", 168),
-            Flyer::Emulated(_, mhz) => ("emulated", mhz),
+            Flyer::Emulated(core) => ("emulated", core.mhz),
         };
         let Settings { policy, period, .. } = options.settings;
         let rate_hz = (policy == Policy::Periodic).then(|| 1e6 / period.ticks() as f64);
-        Ok(FlightReport {
+        let report = FlightReport {
             environment: scene.environment_name.clone(),
             airframe: scene.airframe_name.clone(),
             bandwidth: options.bandwidth,
@@ -71,13 +76,14 @@ impl Flight<'_> {
             position_error_m,
             turning_rad_s,
             control,
-            cpu,
+            cpu: ended.cpu,
             energy_j,
             energy_per_minute_j: power_w.map(|power| power * 60.0),
             flight_time_s,
             wind_m_s,
-            digest,
-        })
+            digest: ended.digest,
+        };
+        Ok((report, ended.counted))
     }
 
     fn whole(&self) -> Option<Whole<'_>> {

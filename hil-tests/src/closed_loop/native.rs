@@ -8,8 +8,7 @@ use reflex::reactive::Phase;
 use reflex::settings::MotorProtocol;
 
 use super::desired::Desired;
-use super::report::Cpu;
-use super::tier::{Applied, Tier, TimedRan};
+use super::tier::{Applied, Ended, Tier, TimedRan};
 use crate::ground_station::LinkFrame;
 use crate::logics::Start;
 use crate::native::{NativeBoard, RUN_NS, nanos};
@@ -95,7 +94,10 @@ impl Tier for NativeTier {
         applied_ns(self.protocol, written_ns)
     }
 
-    fn finish(self: Box<Self>, _from_ns: u64) -> Result<(Option<Cpu>, String)> {
-        Ok((None, self.digest.hex()))
+    fn finish(self: Box<Self>, _from_ns: u64) -> Result<Ended> {
+        Ok(Ended {
+            digest: self.digest.hex(),
+            ..Ended::default()
+        })
     }
 }

@@ -111,7 +111,7 @@ fn the_firmware_flies_in_closed_loop_and_comes_to_the_hosts_commands_bit_by_bit(
     options.duration_s = 14.0;
     let firmware = Firmware::build(options.gains.name(), &mut Silent).unwrap();
     let fly = || {
-        let flyer = Flyer::Emulated(&firmware, 168);
+        let flyer = Flyer::Emulated(Core::of(&firmware));
         fly(&scene, &options, flyer, &mut Silent).unwrap().report
     };
     let report = fly();
@@ -142,7 +142,7 @@ fn the_same_firmware_flies_another_airframe_with_faster_loops() {
     let flown = fly(
         &scene,
         &options,
-        Flyer::Emulated(&firmware, 168),
+        Flyer::Emulated(Core::of(&firmware)),
         &mut Silent,
     )
     .unwrap();

@@ -7,6 +7,7 @@ use reflex::reactive::Phase;
 use super::desired::Desired;
 use super::report::Cpu;
 use crate::ground_station::LinkFrame;
+use crate::record::Counted;
 
 /// A motor command, from the update event of the timers that applies it.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +19,17 @@ pub(super) struct Applied {
 
 /// A run with the virtual time of its motor command.
 pub(super) type TimedRan = (u64, Ran);
+
+/// What only the end of a flight shows.
+#[derive(Default)]
+pub(super) struct Ended {
+    /// What the processor did in the scored part, where there is one.
+    pub(super) cpu: Option<Cpu>,
+    /// The fingerprint of all motor commands.
+    pub(super) digest: String,
+    /// The instructions of the scored part, where they were to be counted.
+    pub(super) counted: Option<Counted>,
+}
 
 /// One flight's autopilot with its sensors, buses and timers.
 pub(super) trait Tier {
@@ -45,10 +57,12 @@ pub(super) trait Tier {
     /// The soonest that a command which is not given yet may apply, ns; 0 where it is unknown.
     fn soonest_command_ns(&self) -> u64;
 
-    /// Ends the flight; what the processor did from an instant on, where there is one, and the
-    /// fingerprint of all motor commands.
+    /// The scored part begins here.
+    fn begin_scored(&mut self) {}
+
+    /// Ends the flight; its scored part began at an instant.
     ///
     /// # Errors
     /// What only the end shows of the firmware.
-    fn finish(self: Box<Self>, from_ns: u64) -> Result<(Option<Cpu>, String)>;
+    fn finish(self: Box<Self>, from_ns: u64) -> Result<Ended>;
 }

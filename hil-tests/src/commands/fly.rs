@@ -4,41 +4,21 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use clap::Args;
-use reflex::config::AIRFRAME;
 
 use super::bar::Bar;
-use super::flight_numbers::{BANDWIDTH, CLOCK, DURATION, FlightNumbers, PLANT_DELAY, PLANT_GAIN};
-use super::quantities::number;
-use super::settings_arguments::{SettingsArguments, refused};
-use crate::closed_loop::{self, FlyOptions, Flyer, Mission, Scene, Stress, plot, report};
+use super::flight_numbers::CLOCK;
+use super::settings_arguments::refused;
+use super::simulated_arguments::SimulatedArguments;
+use crate::closed_loop::{self, Core, FlyOptions, Flyer, Scene, plot, report};
 use crate::firmware::Firmware;
-use crate::logics::{AnyGains, LogicName};
 use crate::output_file::OutputFile;
 use crate::progress::Progress;
-use crate::refusal::Refusal;
 
-/// What a flight is told. Defaults are those of `config/`.
+/// What is flown, how, and what is told of it.
 #[derive(Clone, Debug, Args)]
 pub(super) struct FlyArguments {
-    /// Where to fly: a file of config/environments/
-    #[arg(long, value_name = "NAME", default_value = "rugby")]
-    environment: String,
-    /// What to fly: a file of config/airframes/ with one in config/vehicles/
-    #[arg(long, value_name = "NAME", default_value = AIRFRAME)]
-    airframe: String,
-    /// Control logic that flies: the firmware is built with it [default: that of config/selection.toml]
-    #[arg(long, value_enum)]
-    logic: Option<LogicName>,
-    /// What the drone is to do
-    #[arg(long, value_enum, default_value = "waypoints")]
-    mission: Mission,
     #[command(flatten)]
-    settings: SettingsArguments,
-    #[command(flatten)]
-    numbers: FlightNumbers,
-    /// Where the scored part begins, in s from take-off [default: 10 or the end of the warm-up, whichever is later]
-    #[arg(long, value_name = "SECONDS", value_parser = number, allow_negative_numbers = true)]
-    scored_from: Option<f64>,
+    flight: SimulatedArguments,
     /// Fly the same code on this computer, without firmware and emulator: 100 times as fast
     #[arg(long)]
     native: bool,
@@ -53,7 +33,7 @@ pub(super) struct FlyArguments {
 /// Flies, then prints the report. A crash is reported, and fails the command.
 pub(super) fn run(arguments: &FlyArguments) -> Result<()> {
     let options = arguments.options()?;
-    let scene = Scene::load(&arguments.environment, &arguments.airframe)?;
+    let scene = arguments.flight.scene()?;
     let mut bar = Bar::new();
     let flown = arguments.fly(&scene, &options, &mut bar);
     bar.finish();
@@ -78,37 +58,11 @@ impl FlyArguments {
         if let Some(file) = &self.plot {
             OutputFile::new("plot", file).check()?;
         }
-        let numbers = &self.numbers;
-        let settings = self.settings.settings()?;
-        let duration_s = numbers.get(DURATION)?;
-        if let Some(from) = self.scored_from
-            && !(0.0..duration_s).contains(&from)
-        {
-            let line = format!(
-                "--scored-from: {from} is out of range, must be 0 to less than the duration of \
-                 {duration_s} s"
-            );
-            return Err(Refusal::new(line).into());
-        }
-        if self.native && numbers.given(CLOCK).is_some() {
+        if self.native && self.flight.numbers.given(CLOCK).is_some() {
             let line = "natively there is no processor, leave out --native";
             return Err(refused(CLOCK, line).into());
         }
-        numbers.get(CLOCK)?;
-        let bandwidth = numbers.get(BANDWIDTH)?;
-        let logic = self.logic.unwrap_or_else(LogicName::configured);
-        Ok(FlyOptions {
-            gains: AnyGains::quickened(logic, bandwidth)?,
-            bandwidth,
-            settings,
-            mission: self.mission,
-            duration_s,
-            scored_from_s: self.scored_from,
-            stress: Stress {
-                gain: numbers.get(PLANT_GAIN)?,
-                delay_s: numbers.get(PLANT_DELAY)?,
-            },
-        })
+        self.flight.options()
     }
 
     fn fly(
@@ -123,17 +77,22 @@ impl FlyArguments {
         };
         let flyer = match &firmware {
             None => Flyer::Native,
-            Some(firmware) => Flyer::Emulated(firmware, self.numbers.get(CLOCK)? as u32),
+            Some(firmware) => Flyer::Emulated(Core {
+                mhz: self.flight.clock_mhz()?,
+                ..Core::of(firmware)
+            }),
         };
-        bar.stage(&format!("Flying in {}", self.environment));
+        bar.stage(&format!("Flying in {}", self.flight.environment));
         closed_loop::fly(scene, options, flyer, bar)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use clap::Parser;
+    use reflex::config::AIRFRAME;
+
+    use super::*;
 
     #[derive(Parser)]
     struct Only {

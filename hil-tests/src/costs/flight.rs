@@ -8,6 +8,7 @@ use super::table::{Cost, Memory};
 use super::{CORE_HZ, SWAP_LIMIT};
 use crate::firmware::Firmware;
 use crate::progress::Progress;
+use crate::record::HANDLERS;
 use crate::replay::options::ReplayOptions;
 use crate::replay::{emulated::Session, open_flight};
 use emulated_board::{Elf, Hit, MotorWrite, Observer, Watched};
@@ -15,23 +16,6 @@ use emulated_board::{Elf, Hit, MotorWrite, Observer, Watched};
 /// Seconds of the default flight: warm-up, reactive control, dozens of refits.
 const LENGTH_S: f64 = 12.0;
 
-/// Handlers and what they do, as the table at the head of the firmware's `main.rs` has them.
-const HANDLERS: [(&str, &str); 14] = [
-    ("EXTI0", "IMU interrupt"),
-    ("I2C1_EV", "step of a burst"),
-    ("DMA1_STREAM0", "IMU sample"),
-    ("CAN2_TX", "hyperperiod"),
-    ("EXTI1", "accelerometer's interrupt"),
-    ("EXTI2", "magnetometer's interrupt"),
-    ("I2C1_ER", "burst failed"),
-    ("CAN1_RX1", "failsafe, late hyperperiod"),
-    ("CAN2_RX0", "chips"),
-    ("USART2", "link"),
-    ("DMA1_STREAM5", "link"),
-    ("DMA1_STREAM6", "link sent"),
-    ("CAN1_RX0", "heartbeat"),
-    ("TIM5", "clock"),
-];
 /// Numbers of those on the way from the interrupt to the motors.
 const INTERRUPT: usize = 0;
 const END_OF_WAY: usize = 3;

@@ -13,6 +13,8 @@ pub struct Costs {
     pub core_hz: u64,
     /// The parts, in isolation and in flight.
     pub parts: Vec<Cost>,
+    /// Parts of the firmware in a simulated hover: the mean of a sample, rounded up.
+    pub hover: Vec<Cost>,
     /// Every control logic, in four ways.
     pub logics: Vec<LogicCost>,
     /// Memory that the firmware takes.
@@ -89,7 +91,7 @@ impl Costs {
     /// The first that is dearer than its limit, in one line.
     #[must_use]
     pub fn over(&self) -> Option<String> {
-        let mut all = self.parts.iter().chain(&self.locks);
+        let mut all = self.parts.iter().chain(&self.locks).chain(&self.hover);
         let Some(over) = all.find(|cost| cost.is_over()) else {
             return self.logics.iter().find_map(LogicCost::over);
         };
@@ -126,7 +128,7 @@ impl Costs {
             format!("{name:<46} {typical:>9} {most:>9} {us:>9} {limit:>9}  {verdict}\n")
         };
         let mut text = row("part", ["typical", "most", "us", "limit", ""]);
-        for cost in self.parts.iter().chain(&self.locks) {
+        for cost in self.parts.iter().chain(&self.locks).chain(&self.hover) {
             let numbers = [
                 &cost.typical.to_string(),
                 &cost.instructions.to_string(),

@@ -17,6 +17,7 @@ fn the_first_part_over_its_limit_is_named() {
     let mut costs = Costs {
         core_hz: CORE_HZ,
         parts: vec![cost("free", &[9], None), cost("test", &[60, 7], Some(60))],
+        hover: Vec::new(),
         logics: Vec::new(),
         firmware: Memory {
             flash: 1,

@@ -14,7 +14,7 @@ use emulated_board::{Edge, Hit, Line, LogLine, MotorWrite, Observer};
 /// Handlers on the way from the gyro's interrupt to the motors, in order.
 ///
 /// The last one is pended by software; see the table at the head of the firmware's `main.rs`.
-pub(crate) const HANDLERS: [&str; 3] = ["EXTI0", "DMA1_STREAM0", "CAN2_TX"];
+pub(crate) const WAY: [&str; 3] = ["EXTI0", "DMA1_STREAM0", "CAN2_TX"];
 
 /// Everything that is kept of a board's run.
 pub(crate) struct Observation {
@@ -22,7 +22,7 @@ pub(crate) struct Observation {
     /// Rising edges of each line, in ns.
     pub(crate) edges: [Vec<u64>; Line::ALL.len()],
     /// When each of the watched handlers was entered, in ns.
-    pub(crate) entries: [Vec<u64>; HANDLERS.len()],
+    pub(crate) entries: [Vec<u64>; WAY.len()],
     pub(crate) calls: Vec<Stamped>,
     stream: CallStream,
     log: Option<DecodedLog>,

@@ -11,6 +11,7 @@
 //! command it computed, or that computes other bits than the host, fails the replay.
 
 mod latency;
+mod learning;
 mod report;
 mod session;
 #[cfg(test)]
@@ -25,10 +26,11 @@ use super::timeline::Timeline;
 use crate::firmware::Firmware;
 use crate::progress::Progress;
 use crate::record::motor_timers::update_period_ns;
-use crate::record::{Alignment, DecodedLog, HANDLERS, Observation};
+use crate::record::{Alignment, Counted, DecodedLog, Observation, WAY};
 use crate::scoring::Report;
 use emulated_board::Watched;
 
+use learning::Learning;
 use report::BoardEvidence;
 pub(crate) use session::Session;
 
@@ -38,6 +40,29 @@ pub(crate) use session::Session;
 /// A flight that cannot be read, firmware that cannot be built, a fault of the board, or a
 /// firmware that contradicts itself or the host.
 pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Report> {
+    Ok(whole(options, false, progress)?.report)
+}
+
+/// A replay whose instructions were counted.
+pub(crate) struct Replayed {
+    pub(crate) report: Report,
+    pub(crate) firmware: Firmware,
+    /// The instructions behind the warm-up; none where it lasted to the end.
+    pub(crate) counted: Option<Counted>,
+}
+
+/// The same, and counts the instructions from the end of the warm-up.
+///
+/// # Errors
+/// As those of [`replay`].
+pub(crate) fn replay_counted(
+    options: &ReplayOptions,
+    progress: &mut dyn Progress,
+) -> Result<Replayed> {
+    whole(options, true, progress)
+}
+
+fn whole(options: &ReplayOptions, counts: bool, progress: &mut dyn Progress) -> Result<Replayed> {
     let (flight, path) = open_flight(options)?;
     let log = options
         .defmt
@@ -45,11 +70,21 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
         .map(DecodedLog::create)
         .transpose()?;
     let firmware = Firmware::build(options.logic, progress)?;
-    let watches = HANDLERS.map(Watched::from).to_vec();
+    let watches = WAY.map(Watched::from).to_vec();
     let mut session = Session::new(&flight, options, &firmware, watches)?;
     let mut observation = Observation::new(log);
     progress.stage(&format!("Replaying {}", path.display()));
-    session.run(&mut observation, progress)?;
+    let mut counted_from = None;
+    if counts {
+        let mut learning = Learning::new(&options.start(), session.flight_start_ns());
+        while session.step(&mut observation, progress)? {
+            if counted_from.is_none() && learning.is_over(&observation, session.now_ns())? {
+                counted_from = session.count(&observation);
+            }
+        }
+    } else {
+        session.run(&mut observation, progress)?;
+    }
     let outcome = session.finish(&mut observation)?;
     observation.check()?;
     check_motor_period(options.settings.motors, outcome.motor_period_ns)?;
@@ -74,9 +109,15 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
         alignment: &alignment,
         timeline: &timeline,
     };
-    Ok(Report {
+    let report = Report {
         run: evidence.report(),
         score: timeline.score(),
+    };
+    let counted = counted_from.and_then(|from| from.to_end(&observation, &outcome));
+    Ok(Replayed {
+        report,
+        firmware,
+        counted,
     })
 }
 

@@ -1,6 +1,6 @@
 //! What the core's thread hands to the host's, one poll at a time.
 
-use crate::{Edge, FaultKind, Hit, LinkUse, MotorWrite, Observer, StackUse};
+use crate::{Edge, FaultKind, Hit, LinkUse, MotorWrite, Observer, StackUse, Tally};
 
 /// An event with an instant of its own.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +52,7 @@ pub(super) struct Final {
     pub(super) link: LinkUse,
     pub(super) unmodelled: Vec<String>,
     pub(super) motor_period_ns: Option<u64>,
+    pub(super) tally: Option<Tally>,
     pub(super) fault: Option<FaultKind>,
 }
 
@@ -70,5 +71,6 @@ pub(super) enum Message {
 pub(super) enum Command {
     RunUntil(u64),
     Transmit(u64, Vec<u8>),
+    Count,
     Finish,
 }

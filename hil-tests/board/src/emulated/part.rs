@@ -16,9 +16,12 @@ use rigless::soc::{Bus, Error};
 use rigless::time::VirtualNanos;
 
 use std::num::{NonZeroU32, NonZeroU64};
+use std::sync::Arc;
 
 use super::exti::Exti;
 use super::link::Link;
+use super::meter::SharedMeter;
+use super::metered::MeteredCore;
 use super::pwm_timer::{CHANNELS, PwmTimer};
 use super::reflex_f427::{CRYSTAL_HZ, LINE_PORT_NUMBER, LINK_USART, MOTOR_TIMERS, PULLED_UP};
 use super::sensors::Sensors;
@@ -226,6 +229,8 @@ pub(super) struct Rig {
     pub(super) part: Part,
     /// How fast the core is, whatever its clock: buses and timers keep theirs.
     pub(super) instructions_per_second: NonZeroU64,
+    /// Counts what the core executes.
+    pub(super) meter: SharedMeter,
 }
 
 impl Store for Rig {}
@@ -245,7 +250,7 @@ impl Board for Rig {
 
     fn targets(&mut self) -> Vec<Target<'_>> {
         let lines = u32::from(self.part.cpu().interrupt_lines);
-        let core = armv7m::Core {
+        let mut core = armv7m::Core {
             variant: armv7m::Variant::M4,
             clock_hz: CORE_HZ,
             interrupt_lines: NonZeroU32::new(lines).expect("a part with interrupts"),
@@ -259,6 +264,9 @@ impl Board for Rig {
             armv7m::Fpu::FpV4Sp,
             armv7m::MpuRegions::Eight,
         );
+        let (plain, meter) = (Arc::clone(&core.processor), self.meter.clone());
+        core.processor =
+            Arc::new(move |endian| Ok(Box::new(MeteredCore::new(plain(endian)?, meter.clone()))));
         vec![Target::new("stm32f427", &mut self.part, core)]
     }
 }

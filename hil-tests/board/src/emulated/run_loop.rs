@@ -16,6 +16,7 @@ use rigless::time::VirtualNanos;
 use super::batch::{Batch, Command, Event, Final, Message};
 use super::health::{HOLES, Health};
 use super::memory::Memory;
+use super::meter::SharedMeter;
 use super::part::Rig;
 use crate::motors::VectorGatherer;
 use crate::rings::{CallLog, RttLog};
@@ -50,6 +51,8 @@ impl Feed {
 
 /// State of the loop.
 pub(super) struct RunLoop {
+    elf: Arc<Elf>,
+    meter: SharedMeter,
     commands: Receiver<Command>,
     messages: SyncSender<Message>,
     poll_ns: u64,
@@ -71,7 +74,7 @@ pub(super) struct RunLoop {
 impl RunLoop {
     /// A loop for the firmware `elf`; an error names the symbol it lacks.
     pub(super) fn new(
-        elf: &Arc<Elf>,
+        (elf, meter): (&Arc<Elf>, SharedMeter),
         options: &Options,
         commands: Receiver<Command>,
         messages: SyncSender<Message>,
@@ -90,6 +93,8 @@ impl RunLoop {
             .into_iter()
             .map(|(name, fault)| Ok((u64::from(elf.code(name)?), fault)));
         Ok(Self {
+            elf: Arc::clone(elf),
+            meter,
             commands,
             messages,
             poll_ns: options.poll_ns.max(1),
@@ -184,18 +189,22 @@ impl RunLoop {
     }
 
     /// Waits for the host; none when the run is to end here.
-    fn obey(&mut self, session: &mut Session<Rig>, host: &mut dyn Host) -> Option<()> {
+    fn obey(&mut self, session: &mut Session<Rig>, stop: Stop, host: &mut dyn Host) -> Option<()> {
         loop {
             match self.commands.recv().ok()? {
                 Command::Transmit(at_ns, bytes) => {
                     session.board().part.link.schedule(at_ns, bytes);
+                }
+                Command::Count => {
+                    let code = self.elf.executable();
+                    self.meter.start(code, stop.at.0, stop.instruction_count);
                 }
                 Command::RunUntil(until_ns) => {
                     self.until_ns = until_ns;
                     return Some(());
                 }
                 Command::Finish => {
-                    let last = self.last_measures(session, host);
+                    let last = self.last_measures(session, stop, host);
                     self.messages.send(Message::Final(last)).ok()?;
                     return None;
                 }
@@ -208,7 +217,12 @@ impl RunLoop {
         self.messages.send(Message::Batches(held)).ok()
     }
 
-    fn last_measures(&mut self, session: &mut Session<Rig>, host: &mut dyn Host) -> Final {
+    fn last_measures(
+        &mut self,
+        session: &mut Session<Rig>,
+        stop: Stop,
+        host: &mut dyn Host,
+    ) -> Final {
         let stack = Memory(host).stack_use(&self.stack).unwrap_or_default();
         let unmodelled = session.unimplemented().values();
         let part = &session.board().part;
@@ -219,6 +233,7 @@ impl RunLoop {
                 .map(|gap| format!("{}.{}", gap.instance, gap.register))
                 .collect(),
             motor_period_ns: part.timers[0].period_ns(),
+            tally: self.meter.take(stop.at.0, stop.instruction_count),
             fault: self.health.last_check(part),
         }
     }
@@ -286,7 +301,7 @@ impl Driver<Rig> for RunLoop {
                 return None;
             }
             if reached {
-                self.obey(session, host)?;
+                self.obey(session, stop, host)?;
             }
         } else {
             if let Err(fault) = self.prepare(session, host) {
@@ -295,7 +310,7 @@ impl Driver<Rig> for RunLoop {
                 return None;
             }
             self.prepared = true;
-            self.obey(session, host)?;
+            self.obey(session, stop, host)?;
         }
         let next_poll = at_ns - at_ns % self.poll_ns + self.poll_ns;
         Some(VirtualNanos(next_poll.min(self.until_ns)))

@@ -2,12 +2,16 @@
 
 use clap::Parser;
 use proptest::prelude::*;
+use reflex::config;
 use reflex::graph::CONFIGURED;
 use reflex::sensors::{Input, Inputs};
-use reflex::settings::{Feedback, MotorProtocol, Pairs, Reference, Start};
+use reflex::settings::{
+    Feedback, MotorProtocol, Pairs, Policy, Reference, Settings, Start, WarmUp,
+};
 use reflex::time::micros;
 
 use super::*;
+use crate::logics::LogicName;
 
 #[derive(Parser)]
 struct Only {

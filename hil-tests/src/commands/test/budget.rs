@@ -2,30 +2,19 @@
 
 use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
-use serde::Deserialize;
 
+use crate::costs::Budget;
 use crate::logics::LogicName;
 use crate::progress::Progress;
 use crate::replay::emulated::replay;
 use crate::replay::options::ReplayOptions;
 use crate::scoring::Firmware;
-use crate::toolchain;
-
-/// The content of `budget.toml`.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Budget {
-    flash_bytes: u64,
-    ram_and_stack_bytes: u64,
-}
 
 /// Replays the default flight with every control logic and compares what the firmware took.
 ///
 /// A replay also shows that firmware and host compute the same commands.
 pub(super) fn check(progress: &mut dyn Progress) -> Result<()> {
-    let file = toolchain::root().join("hil-tests/budget.toml");
-    let text = std::fs::read_to_string(&file).with_context(|| file.display().to_string())?;
-    let budget: Budget = toml::from_str(&text).with_context(|| file.display().to_string())?;
+    let budget = Budget::read()?;
     let configured = LogicName::configured();
     let others = LogicName::value_variants().iter();
     let others = others.filter(|name| **name != configured);
@@ -37,47 +26,46 @@ pub(super) fn check(progress: &mut dyn Progress) -> Result<()> {
         };
         let report = replay(&options, progress)?;
         let firmware = report.run.firmware.context("no firmware was replayed")?;
-        let compared = budget.compare(&firmware);
+        let compared = compare(&budget, &firmware);
         compared.with_context(|| format!("with the control logic {}", logic.word()))?;
     }
     Ok(())
 }
 
-impl Budget {
-    fn compare(&self, firmware: &Firmware) -> Result<()> {
-        ensure!(
-            firmware.flash_bytes <= self.flash_bytes,
-            "the firmware takes {} bytes of flash, the budget is {}",
-            firmware.flash_bytes,
-            self.flash_bytes
-        );
-        let memory = firmware.ram_bytes + firmware.stack_bytes;
-        ensure!(
-            memory <= self.ram_and_stack_bytes,
-            "the firmware takes {memory} bytes of RAM ({} and {} of stack), the budget is {}",
-            firmware.ram_bytes,
-            firmware.stack_bytes,
-            self.ram_and_stack_bytes
-        );
-        Ok(())
-    }
+fn compare(budget: &Budget, firmware: &Firmware) -> Result<()> {
+    ensure!(
+        firmware.flash_bytes <= budget.flash_bytes,
+        "the firmware takes {} bytes of flash, the budget is {}",
+        firmware.flash_bytes,
+        budget.flash_bytes
+    );
+    let memory = firmware.ram_bytes + firmware.stack_bytes;
+    ensure!(
+        memory <= budget.ram_and_stack_bytes,
+        "the firmware takes {memory} bytes of RAM ({} and {} of stack), the budget is {}",
+        firmware.ram_bytes,
+        firmware.stack_bytes,
+        budget.ram_and_stack_bytes
+    );
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const BUDGET: Budget = Budget {
-        flash_bytes: 1000,
-        ram_and_stack_bytes: 100,
-    };
-
     fn compared(flash_bytes: u64, ram_bytes: u64, stack_bytes: u64) -> Result<()> {
-        BUDGET.compare(&Firmware {
+        let budget = Budget {
+            flash_bytes: 1000,
+            ram_and_stack_bytes: 100,
+            ..Budget::default()
+        };
+        let firmware = Firmware {
             flash_bytes,
             ram_bytes,
             stack_bytes,
-        })
+        };
+        compare(&budget, &firmware)
     }
 
     #[test]

@@ -7,7 +7,7 @@ use anyhow::Result;
 use crate::firmware::Firmware;
 use crate::ground_station::LinkFrame;
 use crate::progress::Progress;
-use crate::record::{ChipState, Look, Observation, OfChips};
+use crate::record::{ChipState, CountedFrom, Look, Observation, OfChips};
 use crate::replay::link_frames::schedule;
 use crate::replay::options::ReplayOptions;
 use crate::replay::setup::{chip_options, length_ns};
@@ -75,24 +75,44 @@ impl Session {
         observer: &mut dyn Observer,
         progress: &mut dyn Progress,
     ) -> Result<()> {
-        let Some(board) = &mut self.board else {
-            return Ok(());
-        };
-        let total = seconds(self.end_ns - self.at_rest.length_ns());
-        let mut at_ns = 0;
-        while at_ns < self.end_ns {
-            at_ns = (at_ns + STEP_NS).min(self.end_ns);
-            board.run_until(at_ns, observer)?;
-            self.looks.push(Look {
-                at_ns,
-                chips: look_at(&self.chips),
-            });
-            progress.done(
-                seconds(at_ns.saturating_sub(self.at_rest.length_ns())),
-                total,
-            );
-        }
+        while self.step(observer, progress)? {}
         Ok(())
+    }
+
+    /// Runs on to the next look at the chips; false at the end of the flight.
+    pub(super) fn step(
+        &mut self,
+        observer: &mut dyn Observer,
+        progress: &mut dyn Progress,
+    ) -> Result<bool> {
+        let Some(board) = &mut self.board else {
+            return Ok(false);
+        };
+        let at_ns = (board.now_ns() + STEP_NS).min(self.end_ns);
+        board.run_until(at_ns, observer)?;
+        self.looks.push(Look {
+            at_ns,
+            chips: look_at(&self.chips),
+        });
+        let start_ns = self.at_rest.length_ns();
+        progress.done(
+            seconds(at_ns.saturating_sub(start_ns)),
+            seconds(self.end_ns - start_ns),
+        );
+        Ok(at_ns < self.end_ns)
+    }
+
+    /// The instant reached, in ns of the board's time.
+    pub(super) fn now_ns(&self) -> u64 {
+        self.board
+            .as_ref()
+            .map_or(self.end_ns, |board| board.now_ns())
+    }
+
+    /// Counts instructions from here on; none once the board is at its end.
+    pub(super) fn count(&mut self, observation: &Observation) -> Option<CountedFrom> {
+        let board = self.board.as_mut()?;
+        Some(CountedFrom::here(&mut **board, observation))
     }
 
     /// Ends the board and says what can only be measured at the end.

@@ -116,7 +116,7 @@ const SYMBOLS: [(&str, u32, u16); 11] = [
 const PROGBITS: u32 = 1;
 const SYMTAB: u32 = 2;
 const STRTAB: u32 = 3;
-const ALLOC: u32 = 2;
+const CODE_IN_MEMORY: u32 = 6;
 const HEADER: usize = 52;
 const SEGMENT: usize = 32;
 
@@ -169,7 +169,18 @@ fn linked(image: &[u8]) -> Vec<u8> {
     // name, type, flags, address, offset, size, link, info, alignment, entry
     let sections: [[u32; 10]; 6] = [
         [0; 10],
-        [1, PROGBITS, ALLOC, FLASH, image_w, image_n, 0, 0, 4, 0],
+        [
+            1,
+            PROGBITS,
+            CODE_IN_MEMORY,
+            FLASH,
+            image_w,
+            image_n,
+            0,
+            0,
+            4,
+            0,
+        ],
         [7, PROGBITS, 0, 0, image_w, 0, 0, 0, 1, 0],
         [14, SYMTAB, 0, 0, symbols_w, symbols_n, 4, 1, 4, 16],
         [22, STRTAB, 0, 0, strings_w, strings_n, 0, 0, 1, 0],

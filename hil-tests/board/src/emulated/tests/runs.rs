@@ -8,8 +8,8 @@ use super::program::{
 use super::{Pulse, sensors};
 use crate::emulated::EmulatedBoard;
 use crate::{
-    Board, Edge, Elf, Fault, FaultKind, Feed, Hit, Line, LogLine, MotorWrite, Observer, Options,
-    Outcome, Watched,
+    Board, Came, Edge, Elf, Fault, FaultKind, Feed, Hit, Line, LogLine, MotorWrite, Observer,
+    Options, Outcome, Watched,
 };
 
 /// Everything a run told.
@@ -342,4 +342,61 @@ fn a_board_keeps_its_fault() {
         first
     );
     assert_eq!(Box::new(board).finish().unwrap_err(), first);
+}
+
+/// `bl` to `movs r0, #1; bx lr`, and a branch to itself behind it.
+const CALLING: [u16; 6] = [0xF000, 0xF801, 0xE7FE, 0x2001, 0x4770, 0xBF00];
+
+#[test]
+fn every_instruction_is_counted_with_the_call_that_led_to_it() {
+    let elf = Arc::new(assembled(&CALLING, &[]));
+    let options = Options {
+        flies: false,
+        ..Options::default()
+    };
+    let mut board = EmulatedBoard::boot(&elf, sensors(Pulse::default()), &options).unwrap();
+    board.count();
+    board.run_until(MILLISECOND, &mut Told::default()).unwrap();
+    let outcome = Box::new(board).finish().unwrap();
+    let tally = outcome.tally.unwrap();
+    let call = Came::Call {
+        caller: 0,
+        at: CODE,
+    };
+    assert_eq!(tally.ways, [Came::Exception(0), call]);
+    let counted = [(0, CODE), (0, CODE + 4), (1, CODE + 6), (1, CODE + 8)];
+    assert_eq!(tally.counts, counted.map(|place| (place, 1)).into());
+    assert_eq!((tally.instructions(), tally.executed), (4, 4));
+    assert_eq!((tally.from_ns, tally.to_ns), (0, MILLISECOND));
+}
+
+#[test]
+fn a_run_is_the_same_where_its_instructions_are_counted() {
+    let run = |counts: bool| {
+        let imu = Pulse {
+            from_ns: 5_000,
+            to_ns: 55_000,
+            now_ns: 0,
+        };
+        let options = Options {
+            flies: false,
+            ..Options::default()
+        };
+        let elf = Arc::new(writing(&logging(HELLO)));
+        let mut board = EmulatedBoard::boot(&elf, sensors(imu), &options).unwrap();
+        if counts {
+            board.count();
+        }
+        let mut told = Told::default();
+        board.run_until(10 * MILLISECOND, &mut told).unwrap();
+        let outcome = Box::new(board).finish().unwrap();
+        (told, outcome.load.samples, outcome.tally)
+    };
+    let (plain, load, none) = run(false);
+    let (counted, same, tally) = run(true);
+    assert_eq!((plain, load), (counted, same));
+    assert_eq!(none, None);
+    let tally = tally.unwrap();
+    assert!(tally.executed > 10, "{}", tally.executed);
+    assert_eq!(tally.instructions(), tally.executed);
 }

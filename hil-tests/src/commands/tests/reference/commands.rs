@@ -15,20 +15,24 @@ a command prints one JSON object on stdout and nothing else there; [reports.md](
 ";
 
 pub(super) fn page(program: &Command) -> String {
-    let sections = program
-        .get_subcommands()
-        .filter(|command| !command.is_hide_set())
-        .map(section);
-    [PREFACE.to_owned()]
-        .into_iter()
-        .chain(sections)
-        .collect::<Vec<_>>()
-        .join("\n")
+    let mut text = vec![PREFACE.to_owned()];
+    sections("", program, &mut text);
+    text.join("\n")
 }
 
-fn section(command: &Command) -> String {
-    let (name, about) = (command.get_name(), command.get_about());
-    let mut text = format!("## `cargo hil {name}`\n\n");
+/// The sections of all commands below one, and of those below them.
+fn sections(path: &str, command: &Command, text: &mut Vec<String>) {
+    let shown = |below: &&Command| !below.is_hide_set() && below.get_name() != "help";
+    for below in command.get_subcommands().filter(shown) {
+        let path = format!("{path} {}", below.get_name());
+        text.push(section(&path, below));
+        sections(&path, below, text);
+    }
+}
+
+fn section(path: &str, command: &Command) -> String {
+    let about = command.get_about();
+    let mut text = format!("## `cargo hil{path}`\n\n");
     let _ = writeln!(
         text,
         "{}.",

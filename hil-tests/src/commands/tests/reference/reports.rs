@@ -11,6 +11,7 @@ use crate::campaign::Findings;
 use crate::closed_loop::report::FlightReport;
 use crate::costs::Costs;
 use crate::picture::GraphData;
+use crate::profile::Profile;
 use crate::scoring::Report;
 use crate::sweep::SweepReport;
 
@@ -31,6 +32,10 @@ The sweep flies its grid on every core and prints a table for each log, and one 
 logs. The figure shows the same as trade curves. The table counts every deviation in quanta of one size, even
 where the quantum is swept. The same sweep gives the same bytes.";
 
+const PROFILE: &str = "\
+Of both, a replay and a simulated flight. Every instruction of the scored part is in one part, one function and one
+task. The same options give the same bytes.";
+
 pub(super) fn page() -> String {
     [
         PREFACE.to_owned(),
@@ -45,6 +50,7 @@ pub(super) fn page() -> String {
             "Improvements are of pairs of flights under the same seed.",
         ),
         section::<Costs>("bench", "Counts of the emulated core."),
+        section::<Profile>("profile", PROFILE),
         section::<GraphData>("graph", "A control logic as a graph."),
     ]
     .join("\n")

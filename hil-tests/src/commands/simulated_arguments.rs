@@ -1,0 +1,88 @@
+//! The arguments that say which simulated flight is flown.
+
+use anyhow::Result;
+use clap::Args;
+use reflex::config::AIRFRAME;
+
+use super::flight_numbers::{BANDWIDTH, CLOCK, DURATION, FlightNumbers, PLANT_DELAY, PLANT_GAIN};
+use super::quantities::number;
+use super::settings_arguments::SettingsArguments;
+use crate::closed_loop::{FlyOptions, Mission, Scene, Stress};
+use crate::logics::{AnyGains, LogicName};
+use crate::refusal::Refusal;
+
+/// What a flight is told. Defaults are those of `config/`.
+#[derive(Clone, Debug, Args)]
+pub(super) struct SimulatedArguments {
+    /// Where to fly: a file of config/environments/
+    #[arg(long, value_name = "NAME", default_value = "rugby")]
+    pub(super) environment: String,
+    /// What to fly: a file of config/airframes/ with one in config/vehicles/
+    #[arg(long, value_name = "NAME", default_value = AIRFRAME)]
+    airframe: String,
+    /// Control logic that flies: the firmware is built with it [default: that of config/selection.toml]
+    #[arg(long, value_enum)]
+    logic: Option<LogicName>,
+    /// What the drone is to do
+    #[arg(long, value_enum, default_value = "waypoints")]
+    mission: Mission,
+    #[command(flatten)]
+    settings: SettingsArguments,
+    #[command(flatten)]
+    pub(super) numbers: FlightNumbers,
+    /// Where the scored part begins, in s from take-off [default: 10 or the end of the warm-up, whichever is later]
+    #[arg(long, value_name = "SECONDS", value_parser = number, allow_negative_numbers = true)]
+    scored_from: Option<f64>,
+}
+
+impl SimulatedArguments {
+    /// The options, once every mix of arguments is checked.
+    ///
+    /// # Errors
+    /// The first value that is not in its range.
+    pub(super) fn options(&self) -> Result<FlyOptions> {
+        let numbers = &self.numbers;
+        let settings = self.settings.settings()?;
+        let duration_s = numbers.get(DURATION)?;
+        if let Some(from) = self.scored_from
+            && !(0.0..duration_s).contains(&from)
+        {
+            let line = format!(
+                "--scored-from: {from} is out of range, must be 0 to less than the duration of \
+                 {duration_s} s"
+            );
+            return Err(Refusal::new(line).into());
+        }
+        self.clock_mhz()?;
+        let bandwidth = numbers.get(BANDWIDTH)?;
+        let logic = self.logic.unwrap_or_else(LogicName::configured);
+        Ok(FlyOptions {
+            gains: AnyGains::quickened(logic, bandwidth)?,
+            bandwidth,
+            settings,
+            mission: self.mission,
+            duration_s,
+            scored_from_s: self.scored_from,
+            stress: Stress {
+                gain: numbers.get(PLANT_GAIN)?,
+                delay_s: numbers.get(PLANT_DELAY)?,
+            },
+        })
+    }
+
+    /// Speed of the emulated core, MHz.
+    ///
+    /// # Errors
+    /// It is out of its range.
+    pub(super) fn clock_mhz(&self) -> Result<u32, Refusal> {
+        Ok(self.numbers.get(CLOCK)? as u32)
+    }
+
+    /// Where to fly, and what.
+    ///
+    /// # Errors
+    /// As those of [`Scene::load`].
+    pub(super) fn scene(&self) -> Result<Scene> {
+        Scene::load(&self.environment, &self.airframe)
+    }
+}

@@ -1,0 +1,109 @@
+//! A profile changes nothing, and everything that was executed is in it.
+
+use super::*;
+use crate::closed_loop::{Mission, Stress};
+use crate::logics::{AnyGains, LogicName};
+use crate::progress::Silent;
+use crate::record::HANDLERS;
+use reflex::config::{AIRFRAME, SETTINGS};
+
+/// Every sum of a profile is what the core executed, and its busy share that of the flight's own report.
+fn adds_up(profile: &Profile, busy_fraction: f64) {
+    let all = profile.all.instructions;
+    let sum = |shares: &[Share]| shares.iter().map(|share| share.instructions).sum::<u64>();
+    assert_eq!(sum(&profile.parts), all);
+    assert_eq!(sum(&profile.functions), all);
+    let tasks = profile.tasks.iter().map(|task| task.share.instructions);
+    assert_eq!(tasks.sum::<u64>(), all);
+    let off = profile.all.busy_fraction / busy_fraction - 1.0;
+    assert!(
+        off.abs() < 1e-12,
+        "{} {busy_fraction}",
+        profile.all.busy_fraction
+    );
+    let rest = profile.parts.last().expect("a rest");
+    assert_eq!(rest.name, REST);
+    assert!(rest.instructions * 200 < all, "most has a part: {rest:?}");
+}
+
+#[test]
+fn a_profiled_flight_is_the_same_flight_and_adds_up() {
+    let scene = Scene::load("arch", AIRFRAME).unwrap();
+    let options = FlyOptions {
+        gains: AnyGains::quickened(LogicName::configured(), 1.0).unwrap(),
+        bandwidth: 1.0,
+        settings: SETTINGS,
+        mission: Mission::Hover,
+        duration_s: 3.0,
+        scored_from_s: Some(1.0),
+        stress: Stress::default(),
+    };
+    let firmware = Firmware::build(options.gains.name(), &mut Silent).unwrap();
+    let flyer = Flyer::Emulated(Core::of(&firmware));
+    let plain = closed_loop::fly(&scene, &options, flyer, &mut Silent).unwrap();
+    let Profiled { profile, stacks } =
+        fly(&scene, &options, (&firmware, 168), &mut Silent).unwrap();
+    assert_eq!(plain.report.digest, profile.subject.digest);
+    assert_eq!(plain.report.control.runs, profile.runs);
+    adds_up(&profile, plain.report.cpu.unwrap().busy_fraction);
+    let hyperperiod = profile
+        .tasks
+        .iter()
+        .find(|task| task.share.name == "CAN2_TX, hyperperiod");
+    let entries = hyperperiod.expect("it ran").entries;
+    assert!(
+        entries.abs_diff(profile.runs) <= 20,
+        "{entries} {}",
+        profile.runs
+    );
+    // Every call is known, down to the handler.
+    for stack in stacks.iter().filter(|stack| stack.exception != 0) {
+        let outermost = &stack.frames[0].function;
+        assert!(
+            HANDLERS.iter().any(|(name, _)| name == outermost),
+            "{stack:?}"
+        );
+    }
+}
+
+#[test]
+fn a_profiled_replay_is_the_same_replay_and_adds_up() {
+    let options = ReplayOptions {
+        duration_s: Some(8.0),
+        ..ReplayOptions::default()
+    };
+    let plain = emulated::replay(&options, &mut Silent).unwrap().run;
+    let Profiled { profile, stacks } = replay(&options, &mut Silent).unwrap();
+    assert_eq!(plain.digest, profile.subject.digest);
+    adds_up(&profile, plain.cpu.unwrap().busy_fraction.unwrap());
+    let folded = folded(&stacks);
+    let counts = folded
+        .lines()
+        .filter_map(|line| line.rsplit_once(' ')?.1.parse::<u64>().ok());
+    assert_eq!(counts.sum::<u64>(), profile.all.instructions);
+    let again = replay(&options, &mut Silent).unwrap();
+    assert_eq!(again.profile.to_json().unwrap(), profile.to_json().unwrap());
+    assert_eq!(again.stacks, stacks);
+}
+
+#[test]
+fn a_flame_graph_is_drawn_of_every_task() {
+    let options = ReplayOptions {
+        duration_s: Some(4.0),
+        settings: reflex::settings::Settings {
+            policy: Policy::Periodic,
+            ..SETTINGS
+        },
+        ..ReplayOptions::default()
+    };
+    let profiled = replay(&options, &mut Silent).unwrap();
+    let svg = figure(&profiled).unwrap();
+    for task in &profiled.profile.tasks {
+        let handler = task.share.name.split(',').next().unwrap();
+        // Less than a tenth of a pixel is not drawn.
+        if task.share.instructions * 1000 > profiled.profile.all.instructions {
+            assert!(svg.contains(&format!("<title>{handler} (")), "{handler}");
+        }
+    }
+    assert_eq!(svg, figure(&profiled).unwrap());
+}
