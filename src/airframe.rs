@@ -1,9 +1,11 @@
 //! The airframe: how torque and thrust become motor commands, and commands pulses.
 
+mod axes;
 mod mixer;
 mod motor_shares;
 mod pulse;
 
+pub use axes::Axes;
 pub use mixer::{Allocation, Evenly, LevelFirst, Mixed, Mixer, Sharing};
 pub use motor_shares::MotorShares;
 pub use pulse::{period_ticks, ticks};
