@@ -19,6 +19,7 @@ mod tests;
 use anyhow::{Result, bail};
 use reflex::settings::MotorProtocol;
 
+use super::native::without_leading;
 use super::options::ReplayOptions;
 use super::setup::open_flight;
 use super::timeline::Timeline;
@@ -74,9 +75,12 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
         alignment: &alignment,
         timeline: &timeline,
     };
+    let run = evidence.report();
+    let busy = run.cpu.as_ref().and_then(|cpu| cpu.busy_fraction);
     Ok(Report {
-        run: evidence.report(),
-        score: timeline.score(),
+        run,
+        score: timeline.score(busy),
+        without_leading: without_leading(&flight, options)?,
     })
 }
 
