@@ -8,13 +8,16 @@
 //! Everything is counted after warm-up only. Where a quantity has no value (a share of no
 //! hyperperiods, a latency without a run) it is `None`, which is `null` in the report; no
 //! number there is ever infinite or not a number. The definitions are where they are computed:
-//! decisions and staleness in `judge`, the yardsticks in `oracle` and `periodic`.
+//! decisions and staleness in `judge`, the yardsticks in `oracle` and `periodic`, the load in
+//! `load`.
 
 mod deviation;
 mod digest;
+mod felt;
 mod flight;
 mod judge;
 mod latency;
+mod load;
 mod options;
 mod oracle;
 mod periodic;
@@ -27,24 +30,26 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub use deviation::differs;
+pub use deviation::{Deviation, differs};
 pub use digest::MotorDigest;
 pub use flight::{Command, Flight, Run, Step};
 pub use latency::{LatencySample, Quantiles, latencies};
+pub use load::{Busy, Cost, LOADS, LoadTable, LogicCosts, Reach};
 pub use options::{number, report_name};
-pub use oracle::{Oracle, OracleEqual};
-pub use periodic::{Held, PeriodicEqual};
+pub use oracle::{ImpulseOracle, Oracle, OracleEqual};
+pub use periodic::{Clock, EqualLoad, Held, PHASES, Periodic};
 pub use reason::ByReason;
 pub use report::{
     BoardTime, Cpu, Firmware, Gap, LatencyPart, ModelState, Options, Report, RunReport, Sensor,
-    SetpointSource, Tier,
+    SetpointSource, Tier, WithoutLeading,
 };
-pub use rules::{MOST_SATURATED, Rules};
+pub use rules::{LoadRules, MOST_SATURATED, Rules, impulse_axes};
 pub use section::{Actuators, Calibration, Control, Decisions, Section, WINDOW_US, Window};
 pub use summary::summary;
 pub(crate) use table::{Table, or_dash};
 
 use oracle::Track;
+use periodic::Flown;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -79,23 +84,29 @@ pub struct Score {
     pub oracle: Oracle,
     /// The oracle with as many runs.
     pub oracle_equal: OracleEqual,
+    /// The oracle of the impulse rule with the configured budget.
+    pub oracle_impulse: ImpulseOracle,
+    /// The oracle of the impulse rule with as many runs.
+    pub oracle_impulse_equal: ImpulseOracle,
     /// A periodic autopilot with as many runs.
-    pub periodic_equal: PeriodicEqual,
+    pub periodic_equal: Periodic,
+    /// A periodic autopilot with the same load; null where nobody measured the control logic's.
+    pub periodic_equal_load: Option<EqualLoad>,
     /// The reference held at evenly spaced hyperperiods, as many as there were runs.
-    pub periodic_ideal: PeriodicEqual,
+    pub periodic_ideal: Periodic,
     /// Control, decisions and actuators per 10 s.
     pub windows: Vec<Window>,
 }
 
 /// Scores a flight.
 ///
-/// `fly_periodic` flies the same input with a periodic autopilot at a rate in hertz and returns
-/// one entry per hyperperiod, warm-up included; it is called a few times, with other rates,
-/// until the runs match. Under 0.1 s for 120 s at 1 kHz, without `fly_periodic`'s own time.
+/// `fly` flies the same input with a periodic autopilot by a clock and returns one entry
+/// per hyperperiod, warm-up included; it is called a few times, with other rates, until the runs
+/// match, and then with other phases.
 ///
 /// # Panics
-/// When `fly_periodic` returns another number of entries than the flight has hyperperiods.
-pub fn score(flight: &Flight, rules: &Rules, fly_periodic: impl FnMut(f64) -> Vec<Held>) -> Score {
+/// When `fly` returns another number of entries than the flight has hyperperiods.
+pub fn score(flight: &Flight, rules: &Rules, fly: impl FnMut(Clock) -> Vec<Held>) -> Score {
     let scored = flight.scored();
     let judged = judge::judge(flight, rules);
     let section = Section::of(
@@ -106,6 +117,8 @@ pub fn score(flight: &Flight, rules: &Rules, fly_periodic: impl FnMut(f64) -> Ve
     );
     let runs = section.control.runs;
     let track = Track::new(&scored, rules);
+    let mut periodic = Flown { flight, rules, fly };
+    let load = rules.load.as_ref();
     Score {
         duration_s: flight.seconds(flight.last_us()),
         warm_up_s: flight.seconds(scored.start_us),
@@ -115,9 +128,12 @@ pub fn score(flight: &Flight, rules: &Rules, fly_periodic: impl FnMut(f64) -> Ve
             .actuators
             .saturated_fraction
             .is_some_and(|share| share <= MOST_SATURATED),
-        oracle: oracle::oracle(&track, rules.quantum),
-        oracle_equal: oracle::oracle_equal(&track, rules.quantum, runs),
-        periodic_equal: periodic::periodic_equal(flight, rules, runs, fly_periodic),
+        oracle: track.oracle(),
+        oracle_equal: track.oracle_equal(runs),
+        oracle_impulse: track.impulse(rules.budget()),
+        oracle_impulse_equal: track.impulse_equal(runs),
+        periodic_equal: periodic.equal_runs(runs),
+        periodic_equal_load: load.and_then(|load| periodic.equal_load(runs, load)),
         periodic_ideal: periodic::periodic_ideal(&scored, rules.quantum, runs),
         windows: section::windows(flight, &judged, rules),
         section,

@@ -20,6 +20,7 @@ mod tests;
 use anyhow::{Result, bail};
 use reflex::settings::MotorProtocol;
 
+use super::native::without_leading;
 use super::options::ReplayOptions;
 use super::setup::open_flight;
 use super::timeline::Timeline;
@@ -109,9 +110,12 @@ fn whole(options: &ReplayOptions, counts: bool, progress: &mut dyn Progress) -> 
         alignment: &alignment,
         timeline: &timeline,
     };
+    let run = evidence.report();
+    let busy = run.cpu.as_ref().and_then(|cpu| cpu.busy_fraction);
     let report = Report {
-        run: evidence.report(),
-        score: timeline.score(),
+        run,
+        score: timeline.score(busy),
+        without_leading: without_leading(&flight, options)?,
     };
     let counted = counted_from.and_then(|from| from.to_end(&observation, &outcome));
     Ok(Replayed {

@@ -12,6 +12,8 @@ use std::sync::Arc;
 
 use anyhow::{Result, bail};
 use reflex::app::Stamped;
+use reflex::sensors::{Input, Inputs};
+use reflex::settings::Policy;
 
 use super::link_frames::schedule;
 use super::options::ReplayOptions;
@@ -22,7 +24,7 @@ use crate::native::{NativeBoard, clock};
 use crate::progress::Progress;
 use crate::record::Look;
 use crate::refusal::Refusal;
-use crate::scoring::{Report, Score};
+use crate::scoring::{Report, Score, WithoutLeading};
 use chip_models::StimulusSource;
 use recorded_flights::{Flight, FlightStimulus, Setpoints, Standstill};
 
@@ -46,7 +48,29 @@ pub fn fly(flight: &Flight, options: &ReplayOptions) -> Result<Vec<Stamped>> {
 /// As [`fly`]; and where the drone never armed.
 pub fn fly_and_score(flight: &Flight, options: &ReplayOptions) -> Result<Score> {
     let calls = fly(flight, options)?;
-    Ok(timeline(&calls, options, &flight.name)?.score())
+    Ok(timeline(&calls, options, &flight.name)?.score(None))
+}
+
+/// Flies a flight once more, without the inputs that know the command; `None` where none triggers.
+pub(super) fn without_leading(
+    flight: &Flight,
+    options: &ReplayOptions,
+) -> Result<Option<WithoutLeading>> {
+    let mut settings = options.settings;
+    for input in Input::ALL {
+        if !Inputs::OF_AXES.contains(input) {
+            settings.triggers = settings.triggers.without(input);
+        }
+    }
+    if settings == options.settings || settings.policy != Policy::Reactive {
+        return Ok(None);
+    }
+    let options = ReplayOptions {
+        settings,
+        ..options.clone()
+    };
+    let score = fly_and_score(flight, &options)?;
+    Ok(Some(WithoutLeading::of(settings.triggers, &score)))
 }
 
 /// Reads a flight, flies and scores it: what `cargo hil replay --native` does.
@@ -65,7 +89,8 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
     let timeline = timeline(&calls, options, &path.display().to_string())?;
     Ok(Report {
         run: report::report(options, &flight, &setpoints, &timeline, &board, &looks),
-        score: timeline.score(),
+        score: timeline.score(None),
+        without_leading: without_leading(&flight, options)?,
     })
 }
 

@@ -6,6 +6,7 @@
 //! compute the firmware's very commands, bit for bit.
 
 use anyhow::Result;
+use reflex::airframe::Mixer;
 use reflex::app::{Autopilot, Call, Next, Reason, Stamped};
 use reflex::config::HYPERPERIOD;
 use reflex::reactive::{FallbackReason, Phase};
@@ -14,7 +15,9 @@ use reflex::time::Instant;
 
 use crate::logics::{AnyLogic, Start};
 use crate::record::Mirror;
-use crate::scoring::{Command, Flight, Held, Rules, Run, Score, score};
+use crate::scoring::{
+    Clock, Command, Flight, Held, LOADS, LoadRules, Rules, Run, Score, impulse_axes, score,
+};
 
 /// A replay as its calls show it.
 pub(crate) struct Timeline<'c> {
@@ -175,30 +178,46 @@ impl<'c> Timeline<'c> {
     }
 
     /// Judges the flight, and periodic control on the same flight.
-    pub(crate) fn score(&self) -> Score {
-        score(&self.flight, &self.rules(), |rate_hz| {
-            self.fly_periodic(rate_hz)
+    ///
+    /// `busy` is the share of time in which the policy kept a processor busy, where there was one.
+    pub(crate) fn score(&self, busy: Option<f64>) -> Score {
+        score(&self.flight, &self.rules(busy), |clock| {
+            self.fly_periodic(clock)
         })
     }
 
-    fn rules(&self) -> Rules {
+    fn rules(&self, busy: Option<f64>) -> Rules {
+        let failsafe_us = self.start.settings.failsafe.ticks();
+        let costs = LOADS.logics.get(self.start.gains.name().word());
+        let load = costs.map(|costs| LoadRules {
+            core_hz: LOADS.core_hz,
+            policy: match self.start.settings.policy {
+                Policy::Reactive => costs.reactive,
+                Policy::Periodic => costs.periodic,
+            },
+            periodic: costs.periodic,
+            busy,
+        });
         Rules {
+            axes: impulse_axes(&Mixer::new(&self.start.airframe)),
+            load,
             quantum: self.start.settings.quantum,
-            failsafe_us: self.start.settings.failsafe.ticks(),
+            failsafe_us,
             limits: self.start.airframe.armed_minimum()..=1.0,
-            periodic_hz: 1.0..=1e6 / HYPERPERIOD.ticks() as f64,
+            // The failsafe's timer runs control where the clock does not.
+            periodic_hz: 1e6 / failsafe_us as f64..=1e6 / HYPERPERIOD.ticks() as f64,
         }
     }
 
-    /// Periodic control at a rate on the same flight: what it held at each hyperperiod's end.
+    /// Periodic control by a clock on the same flight: what it held at each hyperperiod's end.
     ///
     /// Through the warm-up it runs at every gating sample, as the policy it is compared with
     /// did: both enter the scored part with the same control state.
-    fn fly_periodic(&self, rate_hz: f64) -> Vec<Held> {
+    fn fly_periodic(&self, clock: Clock) -> Vec<Held> {
         let mut native = Native::new(self.start);
         let warm_up_end = self.flight.warm_up_end_us().unwrap_or(u64::MAX);
-        let period_us = (1e6 / rate_hz).min(self.start.settings.failsafe.ticks() as f64);
-        let mut due_us = warm_up_end as f64 + period_us;
+        let period_us = (1e6 / clock.rate_hz).min(self.start.settings.failsafe.ticks() as f64);
+        let mut due_us = warm_up_end as f64 + clock.phase * period_us;
         let mut held = Vec::<Held>::with_capacity(self.ends.len());
         let mut ends = self.ends.iter().peekable();
         let mut waits = false;

@@ -1,6 +1,9 @@
-//! How far a held command strays from the reference: one measure for all.
+//! How far held commands stray from the reference: one measure for all.
 
+use super::felt::{Lag, Motors};
 use super::flight::Command;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 /// Whether some motor's two commands differ by at least a quantum.
 ///
@@ -13,47 +16,142 @@ pub fn differs(one: &Command, other: &Command, quantum: f32) -> bool {
         .any(|(one, other)| (one - other).abs() >= quantum || one.is_nan() || other.is_nan())
 }
 
-/// Sum over the motors of the squared difference, in full scale squared.
-pub(super) fn square(one: &Command, other: &Command) -> f64 {
-    one.iter()
-        .zip(other.iter())
-        .map(|(one, other)| (f64::from(*one) - f64::from(*other)).powi(2))
-        .sum()
-}
-
-/// Staleness and RMS deviation of held commands, summed over hyperperiods.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Deviation {
-    hyperperiods: u64,
-    motors: usize,
-    stale: u64,
-    squares: f64,
+/// How far held commands strayed from the reference; null without a hyperperiod.
+///
+/// *Felt* is the same deviation behind the lag of the motors, which vibration hardly passes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct Deviation {
+    /// Share of hyperperiods that ended a quantum or more away.
+    pub stale_fraction: Option<f64>,
+    /// RMS deviation over hyperperiods and motors, in configured quanta.
+    pub rms_deviation_quanta: Option<f64>,
+    /// Largest deviation of a motor, in configured quanta.
+    pub largest_deviation_quanta: Option<f64>,
+    /// RMS deviation as the motors feel it, in configured quanta.
+    pub rms_felt_quanta: Option<f64>,
+    /// Largest deviation as a motor felt it, in configured quanta.
+    pub largest_felt_quanta: Option<f64>,
 }
 
 impl Deviation {
-    /// Adds one hyperperiod: what is held at its end against the reference.
-    pub fn add(&mut self, held: &Command, reference: &Command, quantum: f32) {
-        let stale = differs(held, reference, quantum);
-        self.add_judged(stale, square(held, reference), reference.len());
+    /// Each number's mean; null where one is.
+    pub(super) fn mean(all: &[Self]) -> Self {
+        let of = |number: fn(&Self) -> Option<f64>| {
+            let sum: Option<f64> = all.iter().map(number).sum();
+            finite(sum? / all.len() as f64)
+        };
+        Self {
+            stale_fraction: of(|one| one.stale_fraction),
+            rms_deviation_quanta: of(|one| one.rms_deviation_quanta),
+            largest_deviation_quanta: of(|one| one.largest_deviation_quanta),
+            rms_felt_quanta: of(|one| one.rms_felt_quanta),
+            largest_felt_quanta: of(|one| one.largest_felt_quanta),
+        }
+    }
+}
+
+/// How far a held command has strayed at the end of one hyperperiod.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Strayed {
+    pub stale: bool,
+    motors: usize,
+    now: Size,
+    felt: Size,
+}
+
+/// Follows a held command and the reference through a flight, hyperperiod by hyperperiod.
+pub(super) struct Straying {
+    quantum: f32,
+    lag: Lag,
+}
+
+impl Straying {
+    pub fn new(quantum: f32) -> Self {
+        Self {
+            quantum,
+            lag: Lag::default(),
+        }
     }
 
-    /// Adds one hyperperiod of so many motors, of which staleness and squared deviation are known.
-    pub fn add_judged(&mut self, stale: bool, square: f64, motors: usize) {
-        self.motors = motors;
+    /// What is held at a hyperperiod's end against the reference.
+    pub fn at(&mut self, at_us: u64, held: &Command, reference: &Command) -> Strayed {
+        let mut off = Motors::default();
+        for (off, (held, reference)) in off.iter_mut().zip(held.iter().zip(reference.iter())) {
+            *off = f64::from(*held) - f64::from(*reference);
+        }
+        Strayed {
+            stale: differs(held, reference, self.quantum),
+            motors: reference.len(),
+            now: Size::of(&off),
+            felt: Size::of(&self.lag.pass(at_us, off)),
+        }
+    }
+}
+
+/// What hyperperiods add up to.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tally {
+    hyperperiods: u64,
+    motors: usize,
+    stale: u64,
+    now: Size,
+    felt: Size,
+}
+
+impl Tally {
+    pub fn add(&mut self, strayed: &Strayed) {
         self.hyperperiods += 1;
-        self.stale += u64::from(stale);
-        self.squares += square;
+        self.motors += strayed.motors;
+        self.stale += u64::from(strayed.stale);
+        self.now.add(strayed.now);
+        self.felt.add(strayed.felt);
     }
 
-    /// RMS over hyperperiods and motors, in quanta; `None` without a hyperperiod.
-    pub fn rms_quanta(&self, quantum: f32) -> Option<f64> {
-        let mean = self.squares / (self.hyperperiods as f64 * self.motors as f64);
-        finite(mean.sqrt() / f64::from(quantum))
+    /// In quanta of this size.
+    pub fn deviation(&self, quantum: f32) -> Deviation {
+        let largest = |size: &Size| {
+            let any = self.hyperperiods > 0;
+            finite(size.largest / f64::from(quantum)).filter(|_| any)
+        };
+        let rms = |size: &Size| {
+            let mean = size.square / self.motors as f64;
+            finite(mean.sqrt() / f64::from(quantum))
+        };
+        Deviation {
+            stale_fraction: share(self.stale, self.hyperperiods),
+            rms_deviation_quanta: rms(&self.now),
+            largest_deviation_quanta: largest(&self.now),
+            rms_felt_quanta: rms(&self.felt),
+            largest_felt_quanta: largest(&self.felt),
+        }
+    }
+}
+
+/// Of deviations in shares of full scale: the sum of their squares, and the largest.
+#[derive(Clone, Copy, Debug, Default)]
+struct Size {
+    square: f64,
+    largest: f64,
+}
+
+impl Size {
+    fn of(off: &Motors) -> Self {
+        let mut size = Self::default();
+        for off in off {
+            size.add(Self {
+                square: off * off,
+                largest: off.abs(),
+            });
+        }
+        size
     }
 
-    /// Share of hyperperiods that ended stale; `None` without a hyperperiod.
-    pub fn stale_fraction(&self) -> Option<f64> {
-        share(self.stale, self.hyperperiods)
+    /// A deviation that is not a number leaves none.
+    fn add(&mut self, other: Self) {
+        self.square += other.square;
+        if other.largest > self.largest || other.largest.is_nan() {
+            self.largest = other.largest;
+        }
     }
 }
 

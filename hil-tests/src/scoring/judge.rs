@@ -19,7 +19,7 @@
 //!   own: at a run, hold the reference's command of that hyperperiod, or for an early run that
 //!   of the one before, since the newer sample was not there yet.
 
-use super::deviation::{differs, square};
+use super::deviation::{Strayed, Straying, differs};
 use super::flight::{Command, Flight, Run, Step};
 use super::rules::Rules;
 use reflex::app::Reason;
@@ -42,12 +42,10 @@ pub(super) struct Judged {
     pub failsafe_changed: u64,
     /// Of a run that a model asked for: what it expected, and whether the command changed.
     pub prediction: Option<(f32, bool)>,
-    pub stale: bool,
-    pub stale_from_trigger: bool,
-    pub square: f64,
-    pub square_from_trigger: f64,
-    /// Motors that the squares are sums over.
-    pub motors: usize,
+    /// What the motors held.
+    pub own: Strayed,
+    /// The reference's commands at the policy's runs.
+    pub from_trigger: Strayed,
     pub saturated: bool,
 }
 
@@ -56,6 +54,8 @@ pub(super) fn judge(flight: &Flight, rules: &Rules) -> Vec<Judged> {
     let mut judge = Judge {
         rules,
         missed: false,
+        own: Straying::new(rules.quantum),
+        trigger: Straying::new(rules.quantum),
         from_trigger: flight.initial(),
         last_reference: flight.initial(),
     };
@@ -66,6 +66,8 @@ struct Judge<'r> {
     rules: &'r Rules,
     /// A missed change was counted and nothing ran since.
     missed: bool,
+    own: Straying,
+    trigger: Straying,
     /// The reference's command at the last run.
     from_trigger: Command,
     last_reference: Command,
@@ -98,11 +100,8 @@ impl Judge<'_> {
             class,
             failsafe_changed,
             prediction,
-            stale: differs(&step.applied, &step.reference, quantum),
-            stale_from_trigger: differs(&self.from_trigger, &step.reference, quantum),
-            square: square(&step.applied, &step.reference),
-            square_from_trigger: square(&self.from_trigger, &step.reference),
-            motors: step.reference.len(),
+            own: (self.own).at(step.at_us, &step.applied, &step.reference),
+            from_trigger: (self.trigger).at(step.at_us, &self.from_trigger, &step.reference),
             saturated: self.rules.saturates(&step.reference),
         }
     }

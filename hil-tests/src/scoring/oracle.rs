@@ -1,14 +1,17 @@
-//! The oracle: a greedy dead-band over the reference.
+//! The oracles: greedy rules over the reference, with hindsight.
 //!
-//! It runs exactly when the reference differs by its dead-band or more from the value held,
-//! and at least every `T_failsafe`: a run falls due at the last hyperperiod that keeps the
-//! interval within it. It starts from the warm-up's last hyperperiod, as if it had run there.
-//! It holds the reference's own commands, so nothing of its deviation comes from diverged
-//! control state: a strong yardstick, though not a proven minimum.
+//! One runs exactly when the reference differs by its dead-band or more from the value held, the
+//! other when the impulse that the held value owes passes its budget: the trigger rules that the
+//! firmware knows, of a command that it need not predict. Both run at least every `T_failsafe`: a
+//! run falls due at the last hyperperiod that keeps the interval within it. They start from the
+//! warm-up's last hyperperiod, as if they had run there. They hold the reference's own commands,
+//! so nothing of their deviation comes from diverged control state: strong yardsticks, though not
+//! proven minima.
 
-use super::deviation::{Deviation, differs};
-use super::flight::{Command, Scored};
+use super::deviation::{Deviation, Straying, Tally, differs};
+use super::flight::{Command, Scored, seconds};
 use super::rules::Rules;
+use reflex::airframe::Axes;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -17,10 +20,9 @@ use serde::Serialize;
 pub struct Oracle {
     /// Runs after warm-up.
     pub runs: u64,
-    /// RMS deviation in configured quanta; null without a hyperperiod.
-    pub rms_deviation_quanta: Option<f64>,
-    /// Share of hyperperiods that ended stale: none, by how it runs; null without any.
-    pub stale_fraction: Option<f64>,
+    /// How far it strayed; it is never stale, by how it runs.
+    #[serde(flatten)]
+    pub deviation: Deviation,
 }
 
 /// The oracle with a dead-band that makes it run as often as the policy.
@@ -30,10 +32,30 @@ pub struct OracleEqual {
     pub runs: u64,
     /// The dead-band, in configured quanta.
     pub dead_band_quanta: f64,
-    /// RMS deviation in configured quanta; null without a hyperperiod.
-    pub rms_deviation_quanta: Option<f64>,
-    /// Share of hyperperiods that ended stale by the configured quantum.
-    pub stale_fraction: Option<f64>,
+    /// How far it strayed.
+    #[serde(flatten)]
+    pub deviation: Deviation,
+}
+
+/// The oracle of the impulse rule.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct ImpulseOracle {
+    /// Runs after warm-up.
+    pub runs: u64,
+    /// The impulse that calls for a run, in configured quanta times milliseconds.
+    pub budget_quanta_ms: f64,
+    /// How far it strayed.
+    #[serde(flatten)]
+    pub deviation: Deviation,
+}
+
+/// What an oracle runs for, more of which makes it run less.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Bound {
+    /// Some motor is off by so much (share of full scale) or more.
+    DeadBand(f32),
+    /// Some axis owes more than this (weighted share times seconds).
+    Budget(f32),
 }
 
 /// The reference after warm-up, packed for many passes.
@@ -41,6 +63,8 @@ pub(super) struct Track {
     start: Command,
     ran_us: u64,
     failsafe_us: u64,
+    quantum: f32,
+    axes: Axes,
     points: Vec<Point>,
 }
 
@@ -51,8 +75,16 @@ struct Point {
     next_us: u64,
 }
 
-/// A dead-band wider than full scale: only the failsafe runs are left.
+/// What no difference and no impulse within `T_failsafe` reaches: only the failsafe runs are left.
 const WIDEST: f32 = 2.0;
+
+impl Bound {
+    fn size(self) -> f32 {
+        match self {
+            Self::DeadBand(size) | Self::Budget(size) => size,
+        }
+    }
+}
 
 impl Track {
     pub fn new(scored: &Scored<'_>, rules: &Rules) -> Self {
@@ -64,6 +96,8 @@ impl Track {
             start: scored.reference,
             ran_us: scored.ran_us,
             failsafe_us: rules.failsafe_us,
+            quantum: rules.quantum,
+            axes: rules.axes,
             points: scored
                 .steps
                 .iter()
@@ -77,52 +111,70 @@ impl Track {
         }
     }
 
-    /// Holds greedily; `each` sees what is held and the reference. Returns the runs.
-    pub fn hold(&self, dead_band: f32, mut each: impl FnMut(&Command, &Command)) -> u64 {
+    /// Holds greedily; `each` sees instant, what is held, and the reference. Returns the runs.
+    pub fn hold(&self, bound: Bound, mut each: impl FnMut(u64, &Command, &Command)) -> u64 {
         let mut held = self.start;
         let mut ran_us = self.ran_us;
+        let mut last_us = self.ran_us;
+        let mut owed = [0.0; Axes::COUNT];
         let mut runs = 0;
         for point in &self.points {
             let due = point.next_us.saturating_sub(ran_us) > self.failsafe_us;
-            if due || differs(&point.reference, &held, dead_band) {
+            let calls = match bound {
+                Bound::DeadBand(width) => differs(&point.reference, &held, width),
+                Bound::Budget(budget) => {
+                    let time_s = seconds(last_us, point.end_us) as f32;
+                    let off = self.axes.between(&held, &point.reference);
+                    for (owed, off) in owed.iter_mut().zip(off) {
+                        *owed += off * time_s;
+                    }
+                    owed.iter().any(|owed| owed.is_nan() || owed.abs() > budget)
+                }
+            };
+            last_us = point.end_us;
+            if due || calls {
                 held = point.reference;
                 ran_us = point.end_us;
+                owed = [0.0; Axes::COUNT];
                 runs += 1;
             }
-            each(&held, &point.reference);
+            each(point.end_us, &held, &point.reference);
         }
         runs
     }
 
-    fn runs(&self, dead_band: f32) -> u64 {
-        self.hold(dead_band, |_, _| {})
+    fn runs(&self, bound: Bound) -> u64 {
+        self.hold(bound, |_, _, _| {})
     }
 
-    fn deviation(&self, dead_band: f32, quantum: f32) -> (u64, Deviation) {
-        let mut deviation = Deviation::default();
-        let runs = self.hold(dead_band, |held, reference| {
-            deviation.add(held, reference, quantum);
+    fn deviation(&self, bound: Bound) -> (u64, Deviation) {
+        let mut straying = Straying::new(self.quantum);
+        let mut tally = Tally::default();
+        // It starts fresh, as if it had run.
+        straying.at(self.ran_us, &self.start, &self.start);
+        let runs = self.hold(bound, |at_us, held, reference| {
+            tally.add(&straying.at(at_us, held, reference));
         });
-        (runs, deviation)
+        (runs, tally.deviation(self.quantum))
     }
 
-    /// The dead-band whose runs are nearest to `target`; of two as near, the wider.
+    /// The bound whose runs are nearest to `target`; of two as near, the wider.
     ///
     /// Bisection over the bit patterns of non-negative floats, which are in their order, ends
-    /// at two neighbouring floats. Greedy runs need not fall steadily as the dead-band widens,
+    /// at two neighbouring floats. Greedy runs need not fall steadily as the bound widens,
     /// so what is found is a crossing of the target, nearly always the only one.
-    pub fn dead_band_for(&self, target: u64) -> f32 {
+    fn bound_for(&self, target: u64, bound: fn(f32) -> Bound) -> Bound {
         let (mut narrow, mut wide) = (0, WIDEST.to_bits());
-        let (mut narrow_runs, mut wide_runs) = (self.runs(0.0), self.runs(WIDEST));
+        let (mut narrow_runs, mut wide_runs) = (self.runs(bound(0.0)), self.runs(bound(WIDEST)));
         if target >= narrow_runs {
-            return 0.0;
+            return bound(0.0);
         }
         if target <= wide_runs {
-            return WIDEST;
+            return bound(WIDEST);
         }
         while wide - narrow > 1 {
             let middle = narrow + (wide - narrow) / 2;
-            let runs = self.runs(f32::from_bits(middle));
+            let runs = self.runs(bound(f32::from_bits(middle)));
             if runs > target {
                 (narrow, narrow_runs) = (middle, runs);
             } else {
@@ -133,28 +185,42 @@ impl Track {
             }
         }
         let narrow_is_nearer = narrow_runs.abs_diff(target) < wide_runs.abs_diff(target);
-        f32::from_bits(if narrow_is_nearer { narrow } else { wide })
+        bound(f32::from_bits(if narrow_is_nearer { narrow } else { wide }))
     }
-}
 
-/// The oracle at the configured quantum.
-pub(super) fn oracle(track: &Track, quantum: f32) -> Oracle {
-    let (runs, deviation) = track.deviation(quantum, quantum);
-    Oracle {
-        runs,
-        rms_deviation_quanta: deviation.rms_quanta(quantum),
-        stale_fraction: deviation.stale_fraction(),
+    /// The oracle at the configured quantum.
+    pub fn oracle(&self) -> Oracle {
+        let (runs, deviation) = self.deviation(Bound::DeadBand(self.quantum));
+        Oracle { runs, deviation }
     }
-}
 
-/// The oracle with as many runs as the policy made.
-pub(super) fn oracle_equal(track: &Track, quantum: f32, target: u64) -> OracleEqual {
-    let dead_band = track.dead_band_for(target);
-    let (runs, deviation) = track.deviation(dead_band, quantum);
-    OracleEqual {
-        runs,
-        dead_band_quanta: f64::from(dead_band) / f64::from(quantum),
-        rms_deviation_quanta: deviation.rms_quanta(quantum),
-        stale_fraction: deviation.stale_fraction(),
+    /// The oracle with as many runs as the policy made.
+    pub fn oracle_equal(&self, target: u64) -> OracleEqual {
+        let bound = self.bound_for(target, Bound::DeadBand);
+        let (runs, deviation) = self.deviation(bound);
+        OracleEqual {
+            runs,
+            dead_band_quanta: f64::from(bound.size()) / f64::from(self.quantum),
+            deviation,
+        }
+    }
+
+    /// The oracle of the impulse rule with this budget.
+    pub fn impulse(&self, budget: f32) -> ImpulseOracle {
+        self.impulse_within(Bound::Budget(budget))
+    }
+
+    /// The same with as many runs as the policy made.
+    pub fn impulse_equal(&self, target: u64) -> ImpulseOracle {
+        self.impulse_within(self.bound_for(target, Bound::Budget))
+    }
+
+    fn impulse_within(&self, bound: Bound) -> ImpulseOracle {
+        let (runs, deviation) = self.deviation(bound);
+        ImpulseOracle {
+            runs,
+            budget_quanta_ms: 1e3 * f64::from(bound.size()) / f64::from(self.quantum),
+            deviation,
+        }
     }
 }

@@ -1,9 +1,12 @@
 //! The JSON report of a replay: its score, and what the replay knows.
 
 use super::Score;
+use super::deviation::Deviation;
 use super::latency::Quantiles;
 use super::options::{described, named};
+use super::periodic::Periodic;
 use super::reason::ByReason;
+use reflex::sensors::Inputs;
 use reflex::settings::Settings;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -18,6 +21,42 @@ pub struct Report {
     /// How well control did.
     #[serde(flatten)]
     pub score: Score,
+    /// The same flight again, natively, when no input that knows the command triggers; null where
+    /// none did, and under periodic control.
+    pub without_leading: Option<WithoutLeading>,
+}
+
+/// How well control does when sensors alone trigger.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct WithoutLeading {
+    /// Inputs that triggered.
+    pub triggers: Vec<String>,
+    /// Runs after warm-up.
+    pub runs: u64,
+    /// Runs per second, those by exploration left out; null over no time.
+    pub rate_hz: Option<f64>,
+    /// How far it strayed.
+    #[serde(flatten)]
+    pub deviation: Deviation,
+    /// A periodic autopilot with as many runs.
+    pub periodic_equal: Periodic,
+}
+
+impl WithoutLeading {
+    /// Of a replay that was scored, in which these inputs triggered.
+    #[must_use]
+    pub fn of(triggers: Inputs, score: &Score) -> Self {
+        Self {
+            triggers: triggers
+                .iter()
+                .map(|input| input.key().to_owned())
+                .collect(),
+            runs: score.section.control.runs,
+            rate_hz: score.section.control.rate_hz,
+            deviation: score.section.actuators.deviation,
+            periodic_equal: score.periodic_equal,
+        }
+    }
 }
 
 /// What was replayed, how, and on what; and what the board showed.

@@ -1,11 +1,19 @@
 //! What the scores depend on besides the flight itself.
 
 use super::flight::Command;
+use super::load::Cost;
+use reflex::airframe::{Axes, Mixer};
 use reflex::config::GEOMETRY;
 use std::ops::RangeInclusive;
 
 /// A flight with more saturated hyperperiods than this share is not scored.
 pub const MOST_SATURATED: f64 = 0.2;
+
+/// What an impulse on roll, pitch, yaw and thrust counts: yaw and thrust move a drone slowly.
+const IMPULSE_WEIGHTS: [f32; Axes::COUNT] = [1.0, 1.0, 0.3, 0.3];
+
+/// How long, in s, a quantum may be owed about one axis: the impulse rule's budget.
+const BUDGET_S: f32 = 0.0125;
 
 /// The constants of one scoring.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +27,23 @@ pub struct Rules {
     pub limits: RangeInclusive<f32>,
     /// Rates that the periodic policy accepts, in hertz.
     pub periodic_hz: RangeInclusive<f64>,
+    /// The axes about which a held command owes an impulse.
+    pub axes: Axes,
+    /// What control takes of the processor; `None` where nobody measured it.
+    pub load: Option<LoadRules>,
+}
+
+/// What is known of the processor's load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoadRules {
+    /// Instructions in a second.
+    pub core_hz: f64,
+    /// What the policy takes.
+    pub policy: Cost,
+    /// What periodic control takes.
+    pub periodic: Cost,
+    /// Share of time in which the processor was busy; `None` where there was none.
+    pub busy: Option<f64>,
 }
 
 impl Default for Rules {
@@ -29,11 +54,25 @@ impl Default for Rules {
             failsafe_us: 100_000,
             limits: GEOMETRY.armed_minimum()..=1.0,
             periodic_hz: 1.0..=1000.0,
+            axes: impulse_axes(&Mixer::default()),
+            load: None,
         }
     }
 }
 
+/// The axes of an airframe about which impulses are owed.
+#[must_use]
+pub fn impulse_axes(mixer: &Mixer) -> Axes {
+    Axes::weighted(mixer, IMPULSE_WEIGHTS)
+}
+
 impl Rules {
+    /// The impulse that calls for a run, in weighted shares of full scale times seconds.
+    #[must_use]
+    pub fn budget(&self) -> f32 {
+        self.quantum * BUDGET_S
+    }
+
     /// Whether some motor's command sits at a limit.
     #[must_use]
     pub fn saturates(&self, command: &Command) -> bool {

@@ -1,6 +1,6 @@
 //! Control, decisions, calibration, actuators of a flight or a window.
 
-use super::deviation::{Deviation, rate, share};
+use super::deviation::{Deviation, Tally, rate, share};
 use super::flight::{Flight, Step, seconds};
 use super::judge::{Class, Judged};
 use super::reason::ByReason;
@@ -41,16 +41,17 @@ pub struct Decisions {
 /// What the motors held against the reference.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Actuators {
-    /// Share of hyperperiods that ended a quantum or more away; null without any.
-    pub stale_fraction: Option<f64>,
-    /// The same with the reference's commands at the policy's runs; null without any.
+    /// How far the held commands strayed.
+    #[serde(flatten)]
+    pub deviation: Deviation,
+    /// `stale_fraction` with the reference's commands at the policy's runs; null without any.
     pub stale_from_trigger: Option<f64>,
     /// Share of hyperperiods that were stale only because the control state had diverged.
     pub stale_from_state: Option<f64>,
-    /// RMS deviation over hyperperiods and motors, in quanta; null without any.
-    pub rms_deviation_quanta: Option<f64>,
-    /// The same with the reference's commands at the policy's runs; null without any.
+    /// `rms_deviation_quanta` with the reference's commands at the policy's runs; null without any.
     pub rms_from_trigger_quanta: Option<f64>,
+    /// `rms_felt_quanta` with the reference's commands at the policy's runs; null without any.
+    pub rms_felt_from_trigger_quanta: Option<f64>,
     /// Share of hyperperiods in which some reference command sat at a limit.
     pub saturated_fraction: Option<f64>,
 }
@@ -160,22 +161,22 @@ impl Calibration {
 
 impl Actuators {
     fn of(judged: &[Judged], rules: &Rules) -> Self {
-        let mut own = Deviation::default();
-        let mut trigger = Deviation::default();
+        let (mut own, mut trigger) = (Tally::default(), Tally::default());
         for one in judged {
-            own.add_judged(one.stale, one.square, one.motors);
-            trigger.add_judged(one.stale_from_trigger, one.square_from_trigger, one.motors);
+            own.add(&one.own);
+            trigger.add(&one.from_trigger);
         }
+        let trigger = trigger.deviation(rules.quantum);
         let share_of = |is: fn(&Judged) -> bool| {
             let count = judged.iter().filter(|one| is(one)).count();
             share(count as u64, judged.len() as u64)
         };
         Self {
-            stale_fraction: own.stale_fraction(),
-            stale_from_trigger: trigger.stale_fraction(),
-            stale_from_state: share_of(|one| one.stale && !one.stale_from_trigger),
-            rms_deviation_quanta: own.rms_quanta(rules.quantum),
-            rms_from_trigger_quanta: trigger.rms_quanta(rules.quantum),
+            deviation: own.deviation(rules.quantum),
+            stale_from_trigger: trigger.stale_fraction,
+            stale_from_state: share_of(|one| one.own.stale && !one.from_trigger.stale),
+            rms_from_trigger_quanta: trigger.rms_deviation_quanta,
+            rms_felt_from_trigger_quanta: trigger.rms_felt_quanta,
             saturated_fraction: share_of(|one| one.saturated),
         }
     }

@@ -4,25 +4,27 @@ use reflex::settings::Policy;
 use reflex::time::Duration;
 
 use super::Score;
-use super::deviation::rate;
+use super::deviation::{Deviation, finite, rate};
+use super::load::Reach;
+use super::periodic::{PHASES, Periodic};
 use super::report::{LatencyPart, Report, RunReport, Sensor, Tier};
 use super::rules::MOST_SATURATED;
 use super::section::Window;
 use super::table::{Table, or_dash};
 
-/// The report for a person: small tables with their units, and a verdict in the last line.
+/// The report for a person: small tables with their units, and a verdict at the end.
 ///
 /// A dash stands for what has no value.
 #[must_use]
 pub fn summary(report: &Report) -> String {
-    let Report { run, score } = report;
+    let Report { run, score, .. } = report;
     let parts = [
         flown(run, score),
         sensors(&run.sensors),
         runs(run, score),
         latency_parts(&run.latency_parts_us),
         decisions(score),
-        commands(run, score),
+        commands(report),
         windows(&score.windows),
         board(run),
         verdict(run, score),
@@ -190,54 +192,99 @@ fn decisions(score: &Score) -> String {
     )
 }
 
-fn commands(run: &RunReport, score: &Score) -> String {
+/// What was held by the policy and by every yardstick.
+fn commands(report: &Report) -> String {
+    let Report {
+        run,
+        score,
+        without_leading,
+    } = report;
     let own = &score.section.actuators;
-    let (periodic, ideal) = (&score.periodic_equal, &score.periodic_ideal);
-    let (oracle, equal) = (&score.oracle, &score.oracle_equal);
-    let mut table = Table::new(["held commands", "runs", "stale %", "RMS quanta"]);
-    let mut row = |name: &str, runs: u64, stale: Option<f64>, rms| {
-        let stale = or_dash(percent(stale), 2);
-        table.row([name.to_owned(), runs.to_string(), stale, or_dash(rms, 3)]);
+    let mut table = Table::new([
+        "held commands",
+        "runs",
+        "stale %",
+        "RMS quanta",
+        "largest",
+        "felt RMS",
+        "felt largest",
+    ]);
+    let mut row = |name: &str, runs: u64, deviation: &Deviation| {
+        table.row(held_row(name, runs, deviation));
     };
     let runs = score.section.control.runs;
     let with_state = "  with the reference's state";
+    row(&run.policy, runs, &own.deviation);
+    let from_trigger = Deviation {
+        stale_fraction: own.stale_from_trigger,
+        rms_deviation_quanta: own.rms_from_trigger_quanta,
+        rms_felt_quanta: own.rms_felt_from_trigger_quanta,
+        ..Deviation::default()
+    };
+    row(with_state, runs, &from_trigger);
+    let mut periodic = |name: &str, periodic: &Periodic| {
+        row(name, periodic.runs, &periodic.deviation);
+    };
+    periodic("periodic, equal runs", &score.periodic_equal);
+    periodic(with_state, &score.periodic_ideal);
+    if let Some(equal_load) = &score.periodic_equal_load {
+        periodic("periodic, equal load", &equal_load.periodic);
+    }
+    let (oracle, equal) = (&score.oracle, &score.oracle_equal);
     row(
-        &run.policy,
-        runs,
-        own.stale_fraction,
-        own.rms_deviation_quanta,
-    );
-    row(
-        with_state,
-        runs,
-        own.stale_from_trigger,
-        own.rms_from_trigger_quanta,
-    );
-    row(
-        "periodic, equal runs",
-        periodic.runs,
-        periodic.stale_fraction,
-        periodic.rms_deviation_quanta,
-    );
-    row(
-        with_state,
-        ideal.runs,
-        ideal.stale_fraction,
-        ideal.rms_deviation_quanta,
-    );
-    row(
-        "oracle, equal runs",
+        "dead-band's oracle, equal runs",
         equal.runs,
-        equal.stale_fraction,
-        equal.rms_deviation_quanta,
+        &equal.deviation,
     );
-    row(
-        "oracle, one quantum",
-        oracle.runs,
-        oracle.stale_fraction,
-        oracle.rms_deviation_quanta,
+    row("  one quantum", oracle.runs, &oracle.deviation);
+    let (oracle, equal) = (&score.oracle_impulse, &score.oracle_impulse_equal);
+    row("impulse's oracle, equal runs", equal.runs, &equal.deviation);
+    let budget = format!("  {:.1} quantum ms", oracle.budget_quanta_ms);
+    row(&budget, oracle.runs, &oracle.deviation);
+    if let Some(without) = without_leading {
+        let name = format!("{}, natively, sensors alone trigger", run.policy);
+        row(&name, without.runs, &without.deviation);
+        let periodic = &without.periodic_equal;
+        row("  periodic, equal runs", periodic.runs, &periodic.deviation);
+    }
+    format!("{table}{}", yardsticks(score))
+}
+
+fn held_row(name: &str, runs: u64, deviation: &Deviation) -> [String; 7] {
+    [
+        name.to_owned(),
+        runs.to_string(),
+        or_dash(percent(deviation.stale_fraction), 2),
+        or_dash(deviation.rms_deviation_quanta, 3),
+        or_dash(deviation.largest_deviation_quanta, 2),
+        or_dash(deviation.rms_felt_quanta, 3),
+        or_dash(deviation.largest_felt_quanta, 2),
+    ]
+}
+
+/// What the rows of periodic control are, and which loads are equal.
+fn yardsticks(score: &Score) -> String {
+    let mut text =
+        format!("felt is behind the motors' lag; periodic is the mean over {PHASES} phases");
+    let Some(load) = &score.periodic_equal_load else {
+        return text + "; nobody measured this logic's load\n";
+    };
+    let from = match load.policy_load_measured {
+        Some(_) => "measured",
+        None => "by load.toml",
+    };
+    text += &format!(
+        "\nload {:.2} % ({from}); periodic {:.2} % at {} Hz (by load.toml)",
+        100.0 * load.policy_load(),
+        100.0 * load.load_by_table,
+        or_dash(load.periodic.rate_hz, 1),
     );
-    table.to_string()
+    text += match load.reach {
+        Reach::Within => "\n",
+        Reach::AboveHighest => "\nperiodic control takes less than that even at its highest rate\n",
+        Reach::BelowLowest => "\nperiodic control takes more than that even at its lowest rate\n",
+    };
+    text
 }
 
 fn windows(windows: &[Window]) -> String {
@@ -250,6 +297,7 @@ fn windows(windows: &[Window]) -> String {
         "runs/s",
         "stale %",
         "RMS quanta",
+        "felt RMS",
         "saturated %",
     ];
     let mut table = Table::new(header);
@@ -259,8 +307,9 @@ fn windows(windows: &[Window]) -> String {
             format!("{:.1}", window.start_s),
             format!("{:.1}", window.length_s),
             or_dash(window.section.control.rate_hz, 1),
-            or_dash(percent(actuators.stale_fraction), 2),
-            or_dash(actuators.rms_deviation_quanta, 3),
+            or_dash(percent(actuators.deviation.stale_fraction), 2),
+            or_dash(actuators.deviation.rms_deviation_quanta, 3),
+            or_dash(actuators.deviation.rms_felt_quanta, 3),
             or_dash(percent(actuators.saturated_fraction), 1),
         ]);
     }
@@ -288,10 +337,9 @@ fn board(run: &RunReport) -> String {
     text + &format!("motor writes {}\n", run.digest)
 }
 
-/// One line: what the flight says about the policy, or why it says nothing.
+/// What the flight says about the policy, or why it says nothing.
 fn verdict(run: &RunReport, score: &Score) -> String {
-    let own = &score.section.actuators;
-    let Some(saturated) = own.saturated_fraction else {
+    let Some(saturated) = score.section.actuators.saturated_fraction else {
         return "verdict: not scored, no hyperperiod came after warm-up\n".to_owned();
     };
     if !score.scored {
@@ -301,29 +349,53 @@ fn verdict(run: &RunReport, score: &Score) -> String {
             100.0 * MOST_SATURATED
         );
     }
-    let beside = |name: &str, other: Option<f64>| match (own.rms_deviation_quanta, other) {
-        (Some(_), Some(0.0)) => format!("{name} strayed nowhere"),
-        (Some(own), Some(other)) => {
-            let ratio = own / other;
-            let word = match ratio {
-                ..0.995 => "better",
-                ..1.005 => "the same",
-                _ => "worse",
-            };
-            format!("{ratio:.2} times {name} ({word})")
-        }
-        _ => format!("{name} is unknown"),
-    };
-    format!(
-        "verdict: {} strayed {} quanta; at equal runs: {}, {}\n",
+    let own = &score.section.actuators.deviation;
+    let mut text = format!(
+        "verdict: {} strayed {} quanta RMS from control at every sample, {} as the motors feel it; that is\n",
         run.policy,
         or_dash(own.rms_deviation_quanta, 3),
-        beside(
-            "periodic control",
-            score.periodic_equal.rms_deviation_quanta
-        ),
-        beside("the oracle", score.oracle_equal.rms_deviation_quanta),
-    )
+        or_dash(own.rms_felt_quanta, 3),
+    );
+    let mut against = |name: &str, other: &Deviation| {
+        let ratio = |own: Option<f64>, other: Option<f64>| finite(own? / other?);
+        let felt = ratio(own.rms_felt_quanta, other.rms_felt_quanta);
+        text += &format!(
+            "  {} and {} times {name}: {}\n",
+            or_dash(
+                ratio(own.rms_deviation_quanta, other.rms_deviation_quanta),
+                2
+            ),
+            or_dash(felt, 2),
+            match (felt, other.rms_felt_quanta) {
+                (Some(..0.995), _) => "better",
+                (Some(..1.005), _) => "the same",
+                (Some(_), _) => "worse",
+                (None, Some(0.0)) => "it strayed nowhere",
+                (None, _) => "unknown",
+            }
+        );
+    };
+    against(
+        "periodic control at equal runs",
+        &score.periodic_equal.deviation,
+    );
+    if let Some(load) = &score.periodic_equal_load {
+        let name = match load.reach {
+            Reach::Within => "periodic control at equal load",
+            Reach::AboveHighest => "periodic control at its highest rate, which takes less",
+            Reach::BelowLowest => "periodic control at its lowest rate, which takes more",
+        };
+        against(name, &load.periodic.deviation);
+    }
+    against(
+        "the dead-band's oracle at equal runs",
+        &score.oracle_equal.deviation,
+    );
+    against(
+        "the impulse's oracle at equal runs",
+        &score.oracle_impulse_equal.deviation,
+    );
+    text
 }
 
 fn percent(share: Option<f64>) -> Option<f64> {

@@ -2,9 +2,11 @@
 
 mod actuators;
 mod decisions;
+mod deviation;
 mod digest;
 mod flights;
 mod latency;
+mod load;
 mod oracle;
 mod periodic;
 mod properties;
@@ -12,7 +14,7 @@ mod report;
 mod summary;
 mod windows;
 
-use super::{Command, Flight, Held, Rules, Run, Score, score};
+use super::{Clock, Command, Flight, Held, Rules, Run, Score, score};
 use reflex::app::Reason;
 use reflex::config::GEOMETRY;
 
@@ -62,11 +64,11 @@ fn end(flight: &mut Flight, reference: f32, run: Option<Run>) {
     flight.end_hyperperiod(flight.last_us() + 1000, all(reference), run);
 }
 
-/// Holds the reference at the hyperperiods that a periodic policy of this rate would reach.
-fn fly(flight: &Flight, rate_hz: f64) -> Vec<Held> {
-    let period_us = 1e6 / rate_hz;
+/// Holds the reference at the hyperperiods that a periodic policy with this clock would reach.
+fn fly(flight: &Flight, clock: Clock) -> Vec<Held> {
+    let period_us = 1e6 / clock.rate_hz;
     let mut held = all(0.0);
-    let mut due_us = 0.0;
+    let mut due_us = clock.phase * period_us - period_us;
     let steps = flight.steps().iter();
     steps
         .map(|step| {
@@ -84,5 +86,5 @@ fn fly(flight: &Flight, rate_hz: f64) -> Vec<Held> {
 }
 
 fn scored(flight: &Flight) -> Score {
-    score(flight, &rules(), |rate_hz| fly(flight, rate_hz))
+    score(flight, &rules(), |clock| fly(flight, clock))
 }

@@ -44,18 +44,18 @@ impl Outcome {
         let share = |part: u64, whole: u64| ratio(Some(part as f64), Some(whole as f64));
         let section = &score.section;
         let decisions = &section.decisions;
-        let own = section.actuators.rms_deviation_quanta;
+        let own = section.actuators.deviation.rms_deviation_quanta;
         let (periodic, oracle) = (&score.periodic_equal, &score.oracle_equal);
         Self {
             runs_per_s: rate(section.control.runs),
-            stale_fraction: section.actuators.stale_fraction,
+            stale_fraction: section.actuators.deviation.stale_fraction,
             rms_deviation_quanta: own,
             periodic_runs_per_s: rate(periodic.runs),
-            periodic_rms_quanta: periodic.rms_deviation_quanta,
+            periodic_rms_quanta: periodic.deviation.rms_deviation_quanta,
             oracle_runs_per_s: rate(oracle.runs),
-            oracle_rms_quanta: oracle.rms_deviation_quanta,
-            ratio_to_periodic: ratio(own, periodic.rms_deviation_quanta),
-            ratio_to_oracle: ratio(own, oracle.rms_deviation_quanta),
+            oracle_rms_quanta: oracle.deviation.rms_deviation_quanta,
+            ratio_to_periodic: ratio(own, periodic.deviation.rms_deviation_quanta),
+            ratio_to_oracle: ratio(own, oracle.deviation.rms_deviation_quanta),
             false_positive_share: share(
                 decisions.false_positive,
                 decisions.true_positive + decisions.false_positive,

@@ -8,11 +8,11 @@ use crate::logics::LogicName;
 use crate::progress::Progress;
 use crate::replay::emulated::replay;
 use crate::replay::options::ReplayOptions;
-use crate::scoring::Firmware;
+use crate::scoring::{Firmware, Score};
 
 /// Replays the default flight with every control logic and compares what the firmware took.
 ///
-/// A replay also shows that firmware and host compute the same commands.
+/// A replay also shows that firmware and host compute the same commands, and the load.
 pub(super) fn check(progress: &mut dyn Progress) -> Result<()> {
     let budget = Budget::read()?;
     let configured = LogicName::configured();
@@ -27,7 +27,8 @@ pub(super) fn check(progress: &mut dyn Progress) -> Result<()> {
         let report = replay(&options, progress)?;
         let firmware = report.run.firmware.context("no firmware was replayed")?;
         let compared = compare(&budget, &firmware);
-        compared.with_context(|| format!("with the control logic {}", logic.word()))?;
+        let within = compared.and_then(|()| compare_load(&report.score));
+        within.with_context(|| format!("with the control logic {}", logic.word()))?;
     }
     Ok(())
 }
@@ -46,6 +47,22 @@ fn compare(budget: &Budget, firmware: &Firmware) -> Result<()> {
         firmware.ram_bytes,
         firmware.stack_bytes,
         budget.ram_and_stack_bytes
+    );
+    Ok(())
+}
+
+/// What reactive control took of the processor, against the table that native replays take it from.
+fn compare_load(score: &Score) -> Result<()> {
+    let load = score.periodic_equal_load.as_ref();
+    let load = load.context("hil-tests/load.toml lacks it")?;
+    let measured = load.policy_load_measured.context("no processor was busy")?;
+    let by_table = load.policy_load_by_table;
+    ensure!(
+        (by_table / measured - 1.0).abs() < 0.05,
+        "the processor was busy for {:.2} % of the time, hil-tests/load.toml says {:.2} %: \
+         its head tells how to measure it",
+        100.0 * measured,
+        100.0 * by_table
     );
     Ok(())
 }

@@ -1,5 +1,7 @@
 //! Whole replays: the firmware on its board, fed with real flights.
 
+mod load;
+
 use std::path::PathBuf;
 
 use reflex::sensors::{Input, Inputs};

@@ -51,6 +51,44 @@ fn scored(flight: &Flight, options: &ReplayOptions) -> Score {
     fly_and_score(flight, options).unwrap_or_else(|error| panic!("{error:#}"))
 }
 
+#[test]
+fn without_the_leading_input_sensors_alone_trigger() {
+    let flight = gusts(20);
+    let of = |settings: Settings| {
+        let options = ReplayOptions {
+            settings,
+            ..ReplayOptions::default()
+        };
+        without_leading(&flight, &options).unwrap_or_else(|error| panic!("{error:#}"))
+    };
+    let found = of(reflex::config::SETTINGS).expect("the command triggers by default");
+    assert!(found.triggers.contains(&"gyro".to_owned()));
+    assert!(!found.triggers.contains(&"command".to_owned()));
+    // As a flight with these triggers is scored.
+    let by_gyro = Settings {
+        triggers: Inputs::NONE.with(Input::Gyro).with(Input::Command),
+        ..reflex::config::SETTINGS
+    };
+    let gyro = Inputs::NONE.with(Input::Gyro);
+    let alone = Settings {
+        triggers: gyro,
+        ..by_gyro
+    };
+    let options = ReplayOptions {
+        settings: alone,
+        ..ReplayOptions::default()
+    };
+    let expected = WithoutLeading::of(gyro, &scored(&flight, &options));
+    assert_eq!(of(by_gyro), Some(expected));
+    // Nothing is left out where nothing leads.
+    assert_eq!(of(alone), None);
+    let periodic = Settings {
+        policy: Policy::Periodic,
+        ..reflex::config::SETTINGS
+    };
+    assert_eq!(of(periodic), None);
+}
+
 fn check_that_runs_are_spared(score: &Score) {
     assert!(score.warm_up.ended, "reactive control was never reached");
     let control = &score.section.control;
@@ -293,7 +331,12 @@ fn check_that_the_tiers_agree(name: &str) {
     let runs = |report: &Report| report.score.section.control.runs as f64;
     within("runs", runs(&native), runs(&emulated), 0.10);
     let rms = |report: &Report| {
-        let rms = report.score.section.actuators.rms_deviation_quanta;
+        let rms = report
+            .score
+            .section
+            .actuators
+            .deviation
+            .rms_deviation_quanta;
         rms.expect("something was scored")
     };
     within("RMS", rms(&native), rms(&emulated), 0.15);

@@ -20,7 +20,7 @@ fn stale_is_what_is_held_after_the_run() {
     end(&mut flight, 0.625, None); // half a quantum: fresh
     end(&mut flight, 0.5, run(Reason::Trigger, 0.25)); // stale: the run went astray
     let found = actuators(&flight);
-    assert_eq!(found.stale_fraction, Some(0.5));
+    assert_eq!(found.deviation.stale_fraction, Some(0.5));
     // With the reference's commands at the runs only the second was.
     assert_eq!(found.stale_from_trigger, Some(0.25));
     assert_eq!(found.stale_from_state, Some(0.25));
@@ -35,12 +35,15 @@ fn rms_is_over_hyperperiods_and_motors_in_quanta() {
         end(&mut flight, 0.5, None);
     }
     let mean_square = 4.0 / (4.0 * GEOMETRY.count() as f64);
-    close(actuators(&flight).rms_deviation_quanta, mean_square.sqrt());
+    close(
+        actuators(&flight).deviation.rms_deviation_quanta,
+        mean_square.sqrt(),
+    );
     // Every motor one quantum away in every hyperperiod.
     let mut flight = after_warm_up(0.5);
     end(&mut flight, 0.75, None);
     end(&mut flight, 0.25, None);
-    close(actuators(&flight).rms_deviation_quanta, 1.0);
+    close(actuators(&flight).deviation.rms_deviation_quanta, 1.0);
 }
 
 #[test]
@@ -51,7 +54,7 @@ fn an_early_run_takes_the_references_command_of_the_hyperperiod_before() {
     flight.run_early(run(Reason::Failsafe, 0.75).unwrap());
     end(&mut flight, 0.75, None);
     let found = actuators(&flight);
-    assert_eq!(found.stale_fraction, Some(0.0));
+    assert_eq!(found.deviation.stale_fraction, Some(0.0));
     assert_eq!(found.stale_from_trigger, Some(0.5));
     // 0.125 then 0.375 of full scale: half a quantum, one and a half.
     close(
@@ -68,7 +71,7 @@ fn what_the_trigger_held_before_scoring_is_what_the_warm_up_left() {
     flight.end_warm_up(1000);
     end(&mut flight, 0.75, None);
     let found = actuators(&flight);
-    assert_eq!(found.stale_fraction, Some(1.0));
+    assert_eq!(found.deviation.stale_fraction, Some(1.0));
     assert_eq!(found.stale_from_trigger, Some(0.0));
     assert_eq!(found.stale_from_state, Some(1.0));
 }
@@ -90,7 +93,7 @@ fn saturation_is_the_references_and_one_motor_at_either_limit_is_enough() {
         limits: 0.1..=0.9,
         ..rules()
     };
-    let narrow = score(&flight, &narrow, |rate_hz| fly(&flight, rate_hz));
+    let narrow = score(&flight, &narrow, |clock| fly(&flight, clock));
     assert_eq!(narrow.section.actuators.saturated_fraction, Some(0.75));
 }
 
@@ -113,6 +116,6 @@ fn a_command_that_is_not_a_number_is_stale_and_has_no_rms() {
     let mut flight = after_warm_up(0.5);
     end(&mut flight, f32::NAN, None);
     let found = actuators(&flight);
-    assert_eq!(found.stale_fraction, Some(1.0));
-    assert_eq!(found.rms_deviation_quanta, None);
+    assert_eq!(found.deviation.stale_fraction, Some(1.0));
+    assert_eq!(found.deviation.rms_deviation_quanta, None);
 }

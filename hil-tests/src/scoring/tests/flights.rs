@@ -61,11 +61,14 @@ fn a_flight_that_never_leaves_warm_up_has_no_shares() {
     let control = &score.section.control;
     assert_eq!((control.runs, control.rate_hz), (0, None));
     let actuators = &score.section.actuators;
-    assert_eq!(actuators.stale_fraction, None);
-    assert_eq!(actuators.rms_deviation_quanta, None);
+    assert_eq!(actuators.deviation.stale_fraction, None);
+    assert_eq!(actuators.deviation.rms_deviation_quanta, None);
     assert_eq!(actuators.saturated_fraction, None);
     assert_eq!(
-        (score.oracle.runs, score.oracle.rms_deviation_quanta),
+        (
+            score.oracle.runs,
+            score.oracle.deviation.rms_deviation_quanta
+        ),
         (0, None)
     );
     assert_eq!(score.periodic_equal, Default::default());

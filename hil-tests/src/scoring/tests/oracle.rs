@@ -1,6 +1,6 @@
-//! The greedy dead-band: when it runs, and which dead-band gives how many runs.
+//! The greedy rules: when they run, and which bound gives how many runs.
 
-use super::super::oracle::{Track, oracle, oracle_equal};
+use super::super::oracle::{Bound, Track};
 use super::*;
 
 /// A flight of which only the reference matters, one hyperperiod a millisecond.
@@ -20,10 +20,14 @@ fn track(flight: &Flight, failsafe_us: u64) -> Track {
     Track::new(&flight.scored(), &rules)
 }
 
-fn held(flight: &Flight, failsafe_us: u64, dead_band: f32) -> (u64, Vec<f32>) {
+fn held_within(flight: &Flight, failsafe_us: u64, bound: Bound) -> (u64, Vec<f32>) {
     let mut held = Vec::new();
-    let runs = track(flight, failsafe_us).hold(dead_band, |command, _| held.push(command[0]));
+    let runs = track(flight, failsafe_us).hold(bound, |_, command, _| held.push(command[0]));
     (runs, held)
+}
+
+fn held(flight: &Flight, failsafe_us: u64, dead_band: f32) -> (u64, Vec<f32>) {
+    held_within(flight, failsafe_us, Bound::DeadBand(dead_band))
 }
 
 #[test]
@@ -33,11 +37,11 @@ fn it_runs_exactly_when_the_reference_left_the_dead_band_of_what_is_held() {
     // 0.75 is a quantum above the warm-up's 0.5; 0.5 is a quantum below 0.75.
     assert_eq!(held, [0.5, 0.75, 0.75, 0.75, 0.5, 0.5]);
     assert_eq!(runs, 2);
-    let found = oracle(&track(&flight, 100_000), QUANTUM);
-    assert_eq!((found.runs, found.stale_fraction), (2, Some(0.0)));
+    let found = track(&flight, 100_000).oracle();
+    assert_eq!((found.runs, found.deviation.stale_fraction), (2, Some(0.0)));
     // Half a quantum away in three of six hyperperiods.
     let expected = (3.0 * 0.25 / 6.0_f64).sqrt();
-    assert!((found.rms_deviation_quanta.unwrap() - expected).abs() < 1e-9);
+    assert!((found.deviation.rms_deviation_quanta.unwrap() - expected).abs() < 1e-9);
 }
 
 #[test]
@@ -87,7 +91,7 @@ fn a_dead_band_is_found_for_every_number_of_runs_that_has_one() {
         (1, 10.0, 21.0),
     ];
     for (target, above, up_to) in cases {
-        let found = oracle_equal(&track, QUANTUM, target);
+        let found = track.oracle_equal(target);
         let dead_band = found.dead_band_quanta * f64::from(QUANTUM) * 64.0;
         assert_eq!(found.runs, target);
         assert!(
@@ -102,24 +106,78 @@ fn runs_out_of_reach_are_answered_with_the_nearest_that_are() {
     let flight = reference(&[0.25, 0.75, 0.25, 0.75]);
     let free = track(&flight, 100_000);
     // More runs than hyperperiods: every hyperperiod.
-    let all_of_them = oracle_equal(&free, QUANTUM, 9);
+    let all_of_them = free.oracle_equal(9);
     assert_eq!((all_of_them.runs, all_of_them.dead_band_quanta), (4, 0.0));
-    assert_eq!(all_of_them.rms_deviation_quanta, Some(0.0));
+    assert_eq!(all_of_them.deviation.rms_deviation_quanta, Some(0.0));
     // 4 runs with a dead-band up to a quantum, none with a wider one; of two as near, fewer.
-    let runs = |target| oracle_equal(&free, QUANTUM, target).runs;
+    let runs = |target| free.oracle_equal(target).runs;
     assert_eq!([3, 2, 1].map(runs), [4, 0, 0]);
     // Fewer than the failsafe's own: only those, here one at 4 ms.
-    assert_eq!(oracle_equal(&track(&flight, 3000), QUANTUM, 0).runs, 1);
+    assert_eq!(track(&flight, 3000).oracle_equal(0).runs, 1);
 }
 
 #[test]
 fn the_deviation_at_equal_runs_stays_in_configured_quanta() {
     // With one run, at 0.75, the oracle is two quanta off once.
     let flight = reference(&[0.5, 0.5, 0.5, 1.0]);
-    let one = oracle_equal(&track(&flight, 100_000), QUANTUM, 1);
-    assert_eq!((one.runs, one.rms_deviation_quanta), (1, Some(0.0)));
-    let none = oracle_equal(&track(&flight, 100_000), QUANTUM, 0);
+    let one = track(&flight, 100_000).oracle_equal(1);
+    assert_eq!(
+        (one.runs, one.deviation.rms_deviation_quanta),
+        (1, Some(0.0))
+    );
+    let none = track(&flight, 100_000).oracle_equal(0);
     // Two quanta in one of four hyperperiods.
-    assert_eq!((none.runs, none.rms_deviation_quanta), (0, Some(1.0)));
-    assert_eq!(none.stale_fraction, Some(0.25));
+    assert_eq!(
+        (none.runs, none.deviation.rms_deviation_quanta),
+        (0, Some(1.0))
+    );
+    assert_eq!(none.deviation.stale_fraction, Some(0.25));
+}
+
+/// Shares of full scale for one millisecond each, weighted as thrust is: a budget.
+fn owed(shares: f32) -> Bound {
+    Bound::Budget(0.3 * shares * 1e-3)
+}
+
+#[test]
+fn the_impulse_rule_adds_up_what_every_hyperperiod_owes_until_it_passes_the_budget() {
+    // Off by an eighth: a drift far below a quantum.
+    let drift = reference(&[0.625; 6]);
+    let (runs, held) = held_within(&drift, 100_000, owed(0.3));
+    // An eighth, two, three: above 0.3 at the third hyperperiod, and nothing is owed from then on.
+    assert_eq!(held, [0.5, 0.5, 0.625, 0.625, 0.625, 0.625]);
+    assert_eq!(runs, 1);
+}
+
+#[test]
+fn vibration_about_what_is_held_owes_nothing_in_the_long_run() {
+    let shaken: Vec<f32> = (0..50).flat_map(|_| [0.75, 0.25]).collect();
+    let flight = reference(&shaken);
+    assert_eq!(held_within(&flight, 1_000_000, owed(0.3)).0, 0);
+    // The dead-band follows every swing.
+    assert_eq!(held(&flight, 1_000_000, QUANTUM).0, 100);
+}
+
+#[test]
+fn a_run_forgets_what_was_owed() {
+    let flight = reference(&[1.0, 0.5, 0.5, 0.5]);
+    let (runs, held) = held_within(&flight, 100_000, owed(0.6));
+    // Half is owed, then nothing more; at 0.5 again nothing is off.
+    assert_eq!((runs, held), (0, vec![0.5; 4]));
+    let (runs, held) = held_within(&flight, 100_000, owed(0.4));
+    // Half passes it: held is 1, half of which is owed the other way at once.
+    assert_eq!((runs, held), (2, vec![1.0, 0.5, 0.5, 0.5]));
+}
+
+#[test]
+fn a_budget_is_found_for_every_number_of_runs_that_has_one() {
+    let ramp: Vec<f32> = (1..=60).map(|step| 0.5 + step as f32 / 256.0).collect();
+    let flight = reference(&ramp);
+    let track = track(&flight, 1_000_000);
+    for target in [1, 2, 3, 5, 10, 20, 30, 60] {
+        let found = track.impulse_equal(target);
+        assert_eq!(found.runs, target);
+        let again = track.impulse((found.budget_quanta_ms * 1e-3) as f32 * QUANTUM);
+        assert!(again.runs.abs_diff(target) <= 1, "{again:?}");
+    }
 }

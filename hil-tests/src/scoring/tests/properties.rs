@@ -1,6 +1,6 @@
 //! What holds for every flight, on random ones.
 
-use super::super::oracle::{Track, oracle, oracle_equal};
+use super::super::oracle::{Bound, Track};
 use super::super::periodic::periodic_ideal;
 use super::super::{Section, differs};
 use super::*;
@@ -66,7 +66,7 @@ fn flights() -> impl Strategy<Value = Flight> {
 }
 
 fn score_of(flight: &Flight) -> Score {
-    score(flight, &Rules::default(), |rate_hz| fly(flight, rate_hz))
+    score(flight, &Rules::default(), |clock| fly(flight, clock))
 }
 
 fn cells(section: &Section) -> [u64; 7] {
@@ -113,9 +113,9 @@ proptest! {
         prop_assert!((length_s - (score.duration_s - score.warm_up_s)).abs() < 1e-6);
         let stale = |share: Option<f64>, of: u64| share.unwrap_or(0.0) * of as f64;
         let stale_in_windows: f64 = score.windows.iter()
-            .map(|window| stale(window.section.actuators.stale_fraction, window.hyperperiods))
+            .map(|window| stale(window.section.actuators.deviation.stale_fraction, window.hyperperiods))
             .sum();
-        let stale_at_all = stale(score.section.actuators.stale_fraction, score.hyperperiods);
+        let stale_at_all = stale(score.section.actuators.deviation.stale_fraction, score.hyperperiods);
         prop_assert!((stale_in_windows - stale_at_all).abs() < 1e-6);
     }
 
@@ -137,13 +137,21 @@ proptest! {
         prop_assume!(perfect.steps().len() > 1);
         let score = score_of(&perfect);
         let found = &score.section.actuators;
-        for share in [found.stale_fraction, found.stale_from_trigger, found.stale_from_state] {
+        for share in [found.deviation.stale_fraction, found.stale_from_trigger, found.stale_from_state] {
             prop_assert_eq!(share, Some(0.0));
         }
-        prop_assert_eq!(found.rms_deviation_quanta, Some(0.0));
-        // So do both yardsticks with as many runs, one at each hyperperiod.
-        prop_assert_eq!(score.oracle_equal.rms_deviation_quanta, Some(0.0));
-        prop_assert_eq!(score.periodic_ideal.rms_deviation_quanta, Some(0.0));
+        for number in [
+            found.deviation.rms_deviation_quanta,
+            found.deviation.largest_deviation_quanta,
+            found.deviation.rms_felt_quanta,
+            found.deviation.largest_felt_quanta,
+        ] {
+            prop_assert_eq!(number, Some(0.0));
+        }
+        // So do all yardsticks with as many runs, one at each hyperperiod.
+        prop_assert_eq!(score.oracle_equal.deviation.rms_deviation_quanta, Some(0.0));
+        prop_assert_eq!(score.oracle_impulse_equal.deviation.rms_deviation_quanta, Some(0.0));
+        prop_assert_eq!(score.periodic_ideal.deviation.rms_deviation_quanta, Some(0.0));
     }
 
     #[test]
@@ -157,8 +165,8 @@ proptest! {
             }
         }
         let found = score_of(&ideal).section.actuators;
-        prop_assert_eq!(found.stale_fraction, found.stale_from_trigger);
-        prop_assert_eq!(found.rms_deviation_quanta, found.rms_from_trigger_quanta);
+        prop_assert_eq!(found.deviation.stale_fraction, found.stale_from_trigger);
+        prop_assert_eq!(found.deviation.rms_deviation_quanta, found.rms_from_trigger_quanta);
         prop_assert!(found.stale_from_state.is_none_or(|share| share == 0.0));
     }
 
@@ -175,15 +183,14 @@ proptest! {
             score_of(&flight).section.actuators
         };
         let (there, back) = (flight_of(false), flight_of(true));
-        prop_assert_eq!(there.rms_deviation_quanta, back.rms_deviation_quanta);
-        prop_assert_eq!(there.stale_fraction, back.stale_fraction);
+        prop_assert_eq!(there.deviation, back.deviation);
     }
 
     #[test]
     fn without_a_dead_band_the_oracle_is_the_reference(flight in flights()) {
         let track = Track::new(&flight.scored(), &Rules::default());
         let mut same = true;
-        let runs = track.hold(0.0, |held, reference| same &= held == reference);
+        let runs = track.hold(Bound::DeadBand(0.0), |_, held, reference| same &= held == reference);
         prop_assert!(same);
         prop_assert_eq!(runs, flight.scored().steps.len() as u64);
     }
@@ -192,7 +199,7 @@ proptest! {
     fn the_oracle_is_never_stale(flight in flights()) {
         let rules = Rules::default();
         let track = Track::new(&flight.scored(), &rules);
-        let found = oracle(&track, rules.quantum);
+        let found = track.oracle().deviation;
         prop_assert!(found.stale_fraction.is_none_or(|share| share == 0.0));
     }
 
@@ -209,20 +216,38 @@ proptest! {
         let at_us: Vec<u64> = flight.steps().iter().map(|step| step.at_us).collect();
         let rules = rules();
         let track = Track::new(&flight.scored(), &rules);
-        let mut now = 0;
-        track.hold(2.0, |held, _| {
-            now += 1;
-            let taken = (held[0] * 1024.0) as usize;
-            assert!(at_us[now] - at_us[taken] <= rules.failsafe_us);
-        });
+        for bound in [Bound::DeadBand(2.0), Bound::Budget(2.0)] {
+            let mut now = 0;
+            track.hold(bound, |_, held, _| {
+                now += 1;
+                let taken = (held[0] * 1024.0) as usize;
+                assert!(at_us[now] - at_us[taken] <= rules.failsafe_us);
+            });
+        }
     }
 
     #[test]
     fn the_oracle_at_equal_runs_meets_its_own_count(flight in flights()) {
         let rules = Rules::default();
         let track = Track::new(&flight.scored(), &rules);
-        let runs = oracle(&track, rules.quantum).runs;
-        prop_assert_eq!(oracle_equal(&track, rules.quantum, runs).runs, runs);
+        let runs = track.oracle().runs;
+        prop_assert_eq!(track.oracle_equal(runs).runs, runs);
+    }
+
+    #[test]
+    fn the_oracle_of_the_impulse_rule_at_equal_runs_is_a_run_off_at_most(flight in flights()) {
+        let rules = Rules::default();
+        let track = Track::new(&flight.scored(), &rules);
+        let runs = track.impulse(rules.budget()).runs;
+        prop_assert!(track.impulse_equal(runs).runs.abs_diff(runs) <= 1);
+    }
+
+    #[test]
+    fn the_oracle_of_the_impulse_rule_runs_at_every_change_without_a_budget(flight in flights()) {
+        let track = Track::new(&flight.scored(), &Rules::default());
+        let mut same = true;
+        track.hold(Bound::Budget(0.0), |_, held, reference| same &= held == reference);
+        prop_assert!(same);
     }
 
     #[test]
@@ -232,7 +257,7 @@ proptest! {
         let found = periodic_ideal(&scored, 0.01, runs);
         prop_assert_eq!(found.runs, runs.min(hyperperiods));
         if runs >= hyperperiods && hyperperiods > 0 {
-            prop_assert_eq!(found.rms_deviation_quanta, Some(0.0));
+            prop_assert_eq!(found.deviation.rms_deviation_quanta, Some(0.0));
         }
     }
 

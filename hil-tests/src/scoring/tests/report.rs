@@ -121,6 +121,7 @@ fn report(flight: &Flight) -> Report {
     Report {
         run: run_report(flight),
         score: scored(flight),
+        without_leading: None,
     }
 }
 
@@ -142,6 +143,8 @@ fn every_field_that_others_rely_on_is_spelled_as_they_spell_it() {
         "/decisions/true_negative /decisions/failsafe_changed",
         "/actuators/stale_fraction /actuators/stale_from_trigger",
         "/actuators/rms_deviation_quanta /actuators/saturated_fraction",
+        "/actuators/largest_deviation_quanta /actuators/rms_felt_quanta",
+        "/actuators/largest_felt_quanta /oracle_impulse/runs /oracle_impulse_equal/rms_felt_quanta",
         "/oracle/runs /oracle_equal/rms_deviation_quanta",
         "/periodic_equal/rms_deviation_quanta /periodic_equal/stale_fraction",
         "/latency_us/trigger/p50 /latency_us/trigger/p99 /latency_us/trigger/max",

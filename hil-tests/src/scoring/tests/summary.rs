@@ -1,8 +1,9 @@
 //! The text that a person reads, letter by letter.
 
-use super::super::{Report, summary};
+use super::super::{Cost, Deviation, LoadRules, Reach, Report, WithoutLeading, summary};
 use super::report::{flight_of, run_report};
 use super::*;
+use reflex::sensors::{Input, Inputs};
 use reflex::settings::Policy;
 use reflex::time::micros;
 
@@ -11,18 +12,32 @@ fn text(change: impl FnOnce(&mut Report)) -> String {
     let rules = Rules {
         failsafe_us: 60_000_000,
         periodic_hz: 0.01..=1000.0,
+        load: Some(LoadRules {
+            core_hz: 1000.0,
+            policy: Cost {
+                sample: 500.0,
+                run: 50.0,
+            },
+            periodic: Cost {
+                sample: 300.0,
+                run: 600.0,
+            },
+            busy: None,
+        }),
         ..rules()
     };
+    let score = score(&flight, &rules, |clock| fly(&flight, clock));
     let mut report = Report {
         run: run_report(&flight),
-        score: score(&flight, &rules, |rate_hz| fly(&flight, rate_hz)),
+        without_leading: Some(WithoutLeading::of(Inputs::NONE.with(Input::Gyro), &score)),
+        score,
     };
     change(&mut report);
     summary(&report)
 }
 
-fn last_line(text: &str) -> &str {
-    text.lines().last().unwrap()
+fn verdict(text: &str) -> &str {
+    text.find("verdict: ").map_or("", |at| &text[at..])
 }
 
 const EXPECTED: &str = "\
@@ -51,23 +66,34 @@ command changed              1              2
 unchanged                    1              1
 hyperperiods that a miss stayed open 1, without a model's decision 2; failsafe runs that changed the command 1
 
-held commands                 runs  stale %  RMS quanta
-reactive                         5    37.50       0.612
-  with the reference's state     5    37.50       0.612
-periodic, equal runs             5     0.00       0.177
-  with the reference's state     5    37.50       0.612
-oracle, equal runs               5     0.00       0.000
-oracle, one quantum              4     0.00       0.177
+held commands                              runs  stale %  RMS quanta  largest  felt RMS  felt largest
+reactive                                      5    37.50       0.612     1.00     0.500          1.00
+  with the reference's state                  5    37.50       0.612        -     0.500             -
+periodic, equal runs                          6    20.31       0.447     0.94     0.447          0.94
+  with the reference's state                  5    18.75       0.429     0.94     0.429          0.94
+periodic, equal load                          3    26.56       0.559     1.12     0.529          1.12
+dead-band's oracle, equal runs                5     0.00       0.000     0.00     0.000          0.00
+  one quantum                                 4     0.00       0.177     0.50     0.177          0.50
+impulse's oracle, equal runs                  5     0.00       0.000     0.00     0.000          0.00
+  12.5 quantum ms                             5     0.00       0.000     0.00     0.000          0.00
+reactive, natively, sensors alone trigger     5    37.50       0.612     1.00     0.500          1.00
+  periodic, equal runs                        6    20.31       0.447     0.94     0.447          0.94
+felt is behind the motors' lag; periodic is the mean over 8 phases
+load 26.56 % (by load.toml); periodic 26.25 % at 0.2 Hz (by load.toml)
 
-from s  length s  runs/s  stale %  RMS quanta  saturated %
-2.0         10.0     0.3    20.00       0.447          0.0
-12.0         6.0     0.2    66.67       0.816          0.0
+from s  length s  runs/s  stale %  RMS quanta  felt RMS  saturated %
+2.0         10.0     0.3    20.00       0.447     0.447          0.0
+12.0         6.0     0.2    66.67       0.816     0.577          0.0
 
 processor 12.1 % busy, 4711 instructions a run
 flash 61234 bytes, RAM 8120 bytes and 1804 bytes of stack
 motor writes e3b0
 
-verdict: reactive strayed 0.612 quanta; at equal runs: 3.46 times periodic control (worse), the oracle strayed nowhere
+verdict: reactive strayed 0.612 quanta RMS from control at every sample, 0.500 as the motors feel it; that is
+  1.37 and 1.12 times periodic control at equal runs: worse
+  1.10 and 0.95 times periodic control at equal load: better
+  - and - times the dead-band's oracle at equal runs: it strayed nowhere
+  - and - times the impulse's oracle at equal runs: it strayed nowhere
 ";
 
 #[test]
@@ -92,7 +118,7 @@ fn a_periodic_flight_names_its_rate() {
         report.run.options.settings.period = micros(4000);
     });
     assert!(text.contains("policy periodic at 250 Hz, reference last-run"));
-    assert!(last_line(&text).starts_with("verdict: periodic strayed"));
+    assert!(verdict(&text).starts_with("verdict: periodic strayed"));
 }
 
 #[test]
@@ -102,8 +128,8 @@ fn a_saturated_flight_is_not_judged() {
         report.score.section.actuators.saturated_fraction = Some(0.634);
     });
     assert_eq!(
-        last_line(&text),
-        "verdict: not scored, some command sat at a limit in 63.4 % of hyperperiods (at most 20 % may)"
+        verdict(&text),
+        "verdict: not scored, some command sat at a limit in 63.4 % of hyperperiods (at most 20 % may)\n"
     );
 }
 
@@ -114,29 +140,60 @@ fn a_flight_that_never_leaves_warm_up_says_so() {
     let text = text(|report| report.score = scored(&short));
     assert!(text.contains("of these 0.0 s unfinished warm-up, then 0 hyperperiods"));
     assert_eq!(
-        last_line(&text),
-        "verdict: not scored, no hyperperiod came after warm-up"
+        verdict(&text),
+        "verdict: not scored, no hyperperiod came after warm-up\n"
     );
 }
 
 #[test]
 fn a_yardstick_that_never_strays_is_not_divided_by() {
     let text = text(|report| {
-        report.score.oracle_equal.rms_deviation_quanta = Some(0.0);
-        report.score.periodic_equal.rms_deviation_quanta = None;
+        report.score.oracle_equal.deviation.rms_felt_quanta = Some(0.0);
+        report.score.oracle_equal.deviation.rms_deviation_quanta = Some(0.0);
+        report.score.periodic_equal.deviation = Deviation::default();
     });
-    let end = "at equal runs: periodic control is unknown, the oracle strayed nowhere";
-    assert!(last_line(&text).ends_with(end));
+    for line in [
+        "  - and - times periodic control at equal runs: unknown\n",
+        "  - and - times the dead-band's oracle at equal runs: it strayed nowhere\n",
+    ] {
+        assert!(verdict(&text).contains(line), "{text}");
+    }
 }
 
 #[test]
-fn a_yardstick_within_half_a_percent_is_the_same() {
+fn a_yardstick_within_half_a_percent_is_the_same_by_what_is_felt() {
     let text = text(|report| {
-        let actuators = &mut report.score.section.actuators;
-        actuators.rms_deviation_quanta = Some(1.0);
-        report.score.oracle_equal.rms_deviation_quanta = Some(0.8);
-        report.score.periodic_equal.rms_deviation_quanta = Some(1.001);
+        let own = &mut report.score.section.actuators.deviation;
+        (own.rms_deviation_quanta, own.rms_felt_quanta) = (Some(1.0), Some(0.5));
+        let oracle = &mut report.score.oracle_equal.deviation;
+        (oracle.rms_deviation_quanta, oracle.rms_felt_quanta) = (Some(2.0), Some(0.4));
+        let periodic = &mut report.score.periodic_equal.deviation;
+        (periodic.rms_deviation_quanta, periodic.rms_felt_quanta) = (Some(2.0), Some(0.501));
     });
-    let end = "1.00 times periodic control (the same), 1.25 times the oracle (worse)";
-    assert!(last_line(&text).ends_with(end));
+    for line in [
+        "strayed 1.000 quanta RMS from control at every sample, 0.500 as the motors feel it; that is\n",
+        "  0.50 and 1.00 times periodic control at equal runs: the same\n",
+        "  0.50 and 1.25 times the dead-band's oracle at equal runs: worse\n",
+    ] {
+        assert!(verdict(&text).contains(line), "{text}");
+    }
+}
+
+#[test]
+fn a_load_that_periodic_control_does_not_take_is_said() {
+    let reached = |reach| {
+        text(|report| {
+            let load = report.score.periodic_equal_load.as_mut().expect("a load");
+            load.reach = reach;
+            load.policy_load_measured = Some(0.0123);
+        })
+    };
+    let above = reached(Reach::AboveHighest);
+    assert!(above.contains("load 1.23 % (measured)"), "{above}");
+    assert!(above.contains("\nperiodic control takes less than that even at its highest rate\n"));
+    assert!(above.contains("times periodic control at its highest rate, which takes less:"));
+    let below = reached(Reach::BelowLowest);
+    assert!(below.contains("times periodic control at its lowest rate, which takes more:"));
+    let unknown = text(|report| report.score.periodic_equal_load = None);
+    assert!(!unknown.contains("equal load"));
 }

@@ -34,7 +34,7 @@ fn a_window_within_a_gap_is_there_with_nothing_in_it() {
     let counts: Vec<_> = windows.iter().map(|window| window.hyperperiods).collect();
     assert_eq!(counts, [1, 0, 1]);
     let empty = &windows[1].section;
-    assert_eq!(empty.actuators.stale_fraction, None);
+    assert_eq!(empty.actuators.deviation.stale_fraction, None);
     assert_eq!((empty.control.runs, empty.control.rate_hz), (0, Some(0.0)));
 }
 
