@@ -39,7 +39,7 @@ use reflex_config::Airframe;
 use reflex_config::plant::{Environment, Vehicle};
 
 use crate::firmware::Firmware;
-use crate::logics::AnyGains;
+use crate::logics::GainSet;
 use crate::progress::Progress;
 
 use flight::Flight;
@@ -96,9 +96,7 @@ impl Scene {
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlyOptions {
     /// The gains of the control logic, which say its name.
-    pub gains: AnyGains,
-    /// How many times as fast as configured they make attitude and rate loops.
-    pub bandwidth: f64,
+    pub gains: GainSet,
     /// The autopilot's settings; its seed is that of everything.
     pub settings: Settings,
     /// What the drone is to do.

@@ -9,6 +9,7 @@ mod campaign;
 mod flight_numbers;
 mod fly;
 mod graph;
+mod logic_arguments;
 mod quantities;
 mod replay;
 mod replay_arguments;

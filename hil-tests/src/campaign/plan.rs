@@ -3,7 +3,9 @@
 use super::margins;
 use super::role::{Contender, Role};
 use super::sortie::{CellName, Sortie, Tier};
+use crate::logics::LogicName;
 use crate::refusal::Refusal;
+use clap::ValueEnum;
 
 /// Every plan's name.
 pub const NAMES: [&str; 2] = ["paper", "smoke"];
@@ -131,6 +133,31 @@ impl Plan {
             emulated_s: None,
             ..self
         }
+    }
+
+    /// The same with gains of a name, for the control logics that have them; others do not fly.
+    ///
+    /// # Errors
+    /// No logic of the plan has gains of this name.
+    pub fn with_gains(self, name: &str) -> Result<Self, Refusal> {
+        let varied = |logic: &String| {
+            let known = LogicName::from_str(logic, false).ok()?.variations();
+            known
+                .iter()
+                .any(|it| it == name)
+                .then(|| format!("{logic}/{name}"))
+        };
+        let logics: Vec<String> = self.logics.iter().filter_map(varied).collect();
+        if logics.is_empty() {
+            let of = self.logics.join(", ");
+            let line = format!("--gains {name}: no config/logics/LOGIC/{name}.toml of {of}");
+            return Err(Refusal::new(line));
+        }
+        Ok(Self {
+            sweep_logic: varied(&self.sweep_logic).unwrap_or(self.sweep_logic),
+            logics,
+            ..self
+        })
     }
 
     /// Every flight, in the order of airframes.
@@ -340,6 +367,17 @@ mod tests {
             let error = Plan::named("smoke", Some(seeds)).unwrap_err().to_string();
             assert_eq!(error, format!("--seeds {seeds}: must be 1 to 10000"));
         }
+    }
+
+    #[test]
+    fn gains_of_a_name_are_flown_by_the_logics_that_have_them() {
+        let plan = Plan::named("smoke", None).unwrap();
+        let varied = plan.clone().with_gains("iris_plus").unwrap();
+        assert_eq!(varied.logics, ["arducopter/iris_plus"]);
+        assert_eq!(varied.sweep_logic, "arducopter/iris_plus");
+        let error = plan.with_gains("kite").unwrap_err().to_string();
+        let line = "--gains kite: no config/logics/LOGIC/kite.toml of arducopter, cascade";
+        assert_eq!(error, line);
     }
 
     #[test]

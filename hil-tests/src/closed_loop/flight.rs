@@ -62,7 +62,7 @@ impl<'o> Flight<'o> {
         let start = Start {
             settings: options.settings,
             airframe: scene.airframe.geometry(),
-            gains: options.gains,
+            gains: options.gains.values(),
         };
         let chips = ChipOptions {
             seed,

@@ -55,8 +55,9 @@ impl Flight<'_> {
         Ok(FlightReport {
             environment: scene.environment_name.clone(),
             airframe: scene.airframe_name.clone(),
-            bandwidth: options.bandwidth,
-            logic: options.gains.name().word().to_owned(),
+            logic: options.gains.logic().word().to_owned(),
+            gains: options.gains.name().map(str::to_owned),
+            bandwidth: options.gains.bandwidth(),
             mission: options.mission.name().to_owned(),
             tier: tier.to_owned(),
             policy: policy.word().to_owned(),

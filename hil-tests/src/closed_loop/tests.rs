@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::firmware::Firmware;
-use crate::logics::LogicName;
+use crate::logics::{GainSet, LogicName};
 use crate::progress::Silent;
 use clap::ValueEnum;
 use reflex::settings::Policy;
@@ -17,8 +17,7 @@ fn flown(environment: &str, options: &FlyOptions) -> FlightReport {
 
 fn options(logic: LogicName, policy: Policy, seed: u32) -> FlyOptions {
     FlyOptions {
-        gains: logic.gains(),
-        bandwidth: 1.0,
+        gains: logic.into(),
         settings: Settings {
             policy,
             // Of periodic control, where it is chosen.
@@ -109,7 +108,7 @@ fn the_firmware_flies_in_closed_loop_and_comes_to_the_hosts_commands_bit_by_bit(
     let scene = Scene::load("arch", reflex::config::AIRFRAME).unwrap();
     let mut options = options(LogicName::configured(), Policy::Reactive, 4);
     options.duration_s = 14.0;
-    let firmware = Firmware::build(options.gains.name(), &mut Silent).unwrap();
+    let firmware = Firmware::build(options.gains.logic(), &mut Silent).unwrap();
     let fly = || {
         let flyer = Flyer::Emulated(&firmware, 168);
         fly(&scene, &options, flyer, &mut Silent).unwrap().report
@@ -136,9 +135,9 @@ fn the_firmware_flies_in_closed_loop_and_comes_to_the_hosts_commands_bit_by_bit(
 fn the_same_firmware_flies_another_airframe_with_faster_loops() {
     let scene = Scene::load("lab", "hexa_x").unwrap();
     let mut options = options(LogicName::configured(), Policy::Reactive, 6);
-    options.gains = AnyGains::quickened(LogicName::configured(), 1.4).unwrap();
+    options.gains = GainSet::load(LogicName::configured(), None, 1.4).unwrap();
     options.duration_s = 11.0;
-    let firmware = Firmware::build(options.gains.name(), &mut Silent).unwrap();
+    let firmware = Firmware::build(options.gains.logic(), &mut Silent).unwrap();
     let flown = fly(
         &scene,
         &options,

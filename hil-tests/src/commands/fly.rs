@@ -8,11 +8,11 @@ use reflex::config::AIRFRAME;
 
 use super::bar::Bar;
 use super::flight_numbers::{BANDWIDTH, CLOCK, DURATION, FlightNumbers, PLANT_DELAY, PLANT_GAIN};
+use super::logic_arguments::LogicArguments;
 use super::quantities::number;
 use super::settings_arguments::{SettingsArguments, refused};
 use crate::closed_loop::{self, FlyOptions, Flyer, Mission, Scene, Stress, plot, report};
 use crate::firmware::Firmware;
-use crate::logics::{AnyGains, LogicName};
 use crate::output_file::OutputFile;
 use crate::progress::Progress;
 use crate::refusal::Refusal;
@@ -26,9 +26,8 @@ pub(super) struct FlyArguments {
     /// What to fly: a file of config/airframes/ with one in config/vehicles/
     #[arg(long, value_name = "NAME", default_value = AIRFRAME)]
     airframe: String,
-    /// Control logic that flies: the firmware is built with it [default: that of config/selection.toml]
-    #[arg(long, value_enum)]
-    logic: Option<LogicName>,
+    #[command(flatten)]
+    logic: LogicArguments,
     /// What the drone is to do
     #[arg(long, value_enum, default_value = "waypoints")]
     mission: Mission,
@@ -95,11 +94,8 @@ impl FlyArguments {
             return Err(refused(CLOCK, line).into());
         }
         numbers.get(CLOCK)?;
-        let bandwidth = numbers.get(BANDWIDTH)?;
-        let logic = self.logic.unwrap_or_else(LogicName::configured);
         Ok(FlyOptions {
-            gains: AnyGains::quickened(logic, bandwidth)?,
-            bandwidth,
+            gains: self.logic.gains(numbers.get(BANDWIDTH)?)?,
             settings,
             mission: self.mission,
             duration_s,
@@ -119,7 +115,7 @@ impl FlyArguments {
     ) -> Result<closed_loop::Flown> {
         let firmware = match self.native {
             true => None,
-            false => Some(Firmware::build(options.gains.name(), bar)?),
+            false => Some(Firmware::build(options.gains.logic(), bar)?),
         };
         let flyer = match &firmware {
             None => Flyer::Native,
@@ -144,6 +140,7 @@ mod tests {
     /// arguments | what is said
     const SENSELESS: &str = "
 --mission joyride | [possible values: hover, waypoints]
+--gains kite --logic arducopter | --gains kite: logics/arducopter/kite.toml does not exist, must be one of: iris_plus
 --logic px4 | [possible values: cascade, arducopter, cleanflight, openpilot, observer]
 --duration 0 | --duration: 0 is out of range, must be above 0 and at most 86400 s
 --duration nan | must be a finite number
@@ -157,6 +154,7 @@ mod tests {
 --plant-delay 1 | --plant-delay: 1 is out of range, must be 0 to 0.2 s
 --bandwidth 0.1 | --bandwidth: 0.1 is out of range, must be 0.25 to 5
 --bandwidth fast | must be a finite number, 0.25 to 5
+--gains iris_plus --logic cascade | --gains iris_plus: logics/cascade/ holds no gains, name a file
 --logic arducopter --bandwidth 4 | --bandwidth 4: brings arducopter's angle.p to 18, must be above 0 and at most 12
 --rate 100 | --rate: reactive control has none
 --policy periodic --rate 2000 | must be 1 to 1000 Hz

@@ -6,10 +6,10 @@ use clap::{Args, ValueEnum};
 use reflex::config;
 use reflex::settings::{Policy, Settings, WarmUp};
 
+use super::logic_arguments::LogicArguments;
 use super::quantities::number;
 use super::settings_arguments::SettingsArguments;
 use super::sweep_arguments::SweepArguments;
-use crate::logics::LogicName;
 use crate::output_file::OutputFile;
 use crate::refusal::Refusal;
 use crate::replay::options::ReplayOptions;
@@ -24,9 +24,8 @@ pub(super) struct ReplayArguments {
     logs: Vec<PathBuf>,
     #[command(flatten)]
     settings: SettingsArguments,
-    /// Control logic that flies: the firmware is built with it [default: that of config/selection.toml]
-    #[arg(long, value_enum)]
-    logic: Option<LogicName>,
+    #[command(flatten)]
+    logic: LogicArguments,
     /// Most of the flight to replay, in s
     #[arg(long, value_name = "SECONDS", value_parser = number, allow_negative_numbers = true)]
     duration: Option<f64>,
@@ -97,7 +96,7 @@ impl ReplayArguments {
         Ok(ReplayOptions {
             log,
             settings,
-            logic: self.logic.unwrap_or_else(LogicName::configured),
+            gains: self.logic.gains(1.0)?,
             duration_s: self.duration,
             rotate: self.rotate,
             noise: self.noise == NoiseName::Datasheet,

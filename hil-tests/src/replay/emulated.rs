@@ -44,7 +44,7 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
         .as_deref()
         .map(DecodedLog::create)
         .transpose()?;
-    let firmware = Firmware::build(options.logic, progress)?;
+    let firmware = Firmware::build(options.gains.logic(), progress)?;
     let watches = HANDLERS.map(Watched::from).to_vec();
     let mut session = Session::new(&flight, options, &firmware, watches)?;
     let mut observation = Observation::new(log);

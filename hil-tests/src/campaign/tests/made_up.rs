@@ -26,8 +26,9 @@ pub(in crate::campaign) fn landed(role: Role, seed: u32, pitch: f64) -> Landed {
     let report = FlightReport {
         environment: sortie.environment.clone(),
         airframe: sortie.airframe.clone(),
-        bandwidth: 1.0,
         logic: sortie.logic.clone(),
+        gains: None,
+        bandwidth: 1.0,
         mission: "waypoints".into(),
         tier: "native".into(),
         policy: "reactive".into(),

@@ -8,6 +8,7 @@ use reflex::settings::{Feedback, MotorProtocol, Pairs, Reference, Start};
 use reflex::time::micros;
 
 use super::*;
+use crate::logics::LogicName;
 
 #[derive(Parser)]
 struct Only {
@@ -119,7 +120,7 @@ fn every_option_arrives() {
         ..config::SETTINGS
     };
     let expected = ReplayOptions {
-        logic: LogicName::configured(),
+        gains: LogicName::configured().into(),
         log: Some("a.csv".into()),
         settings,
         duration_s: Some(20.0),
