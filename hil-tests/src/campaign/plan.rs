@@ -1,11 +1,15 @@
 //! Plans by name: which flights a campaign has.
 
+use std::collections::BTreeSet;
+
+use clap::ValueEnum;
+
 use super::margins;
-use super::role::{Contender, Role};
+use super::role::Role;
+use super::rule::Contender;
 use super::sortie::{CellName, Sortie, Tier};
 use crate::logics::LogicName;
 use crate::refusal::Refusal;
-use clap::ValueEnum;
 
 /// Every plan's name.
 pub const NAMES: [&str; 2] = ["paper", "smoke"];
@@ -237,10 +241,10 @@ impl Plan {
 
     /// A cell's flight with loops tuned to equal margins.
     #[must_use]
-    pub fn tuned(&self, cell: &Sortie, of: Contender, seed: u32) -> Sortie {
+    pub fn tuned(&self, cell: &Sortie, role: Role, seed: u32) -> Sortie {
         Sortie {
             duration_s: self.duration_s,
-            role: Role::Tuned(of),
+            role,
             seed,
             ..cell.clone()
         }
@@ -249,12 +253,18 @@ impl Plan {
     /// The margins of a cell, and its flights with what they allow.
     fn tuning(&self, cell: [&String; 3]) -> Option<Unit> {
         let any = self.trial(cell, 1).0.into_iter().next()?;
-        let mut flights = Vec::new();
-        for of in Contender::ALL {
-            flights.extend(margins::margins(&any, of));
-            flights.extend((1..=self.tuned_seeds).map(|seed| self.tuned(&any, of, seed)));
-        }
-        (self.tuned_seeds > 0).then_some(Unit(flights))
+        let tempos: BTreeSet<_> = margins::tuned_roles()
+            .map(|(rule, of)| rule.tempo(of))
+            .collect();
+        let margins = tempos
+            .into_iter()
+            .flat_map(|tempo| margins::margins(&any, tempo));
+        let tuned = margins::tuned_roles().flat_map(|(rule, of)| {
+            let role = Role::Tuned(rule, of);
+            let any = &any;
+            (1..=self.tuned_seeds).map(move |seed| self.tuned(any, role, seed))
+        });
+        (self.tuned_seeds > 0).then(|| Unit(margins.chain(tuned).collect()))
     }
 
     /// Emulated flights of an airframe with a logic, for the processor's load.

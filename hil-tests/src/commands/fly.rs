@@ -155,7 +155,6 @@ mod tests {
 --bandwidth 0.1 | --bandwidth: 0.1 is out of range, must be 0.25 to 5
 --bandwidth fast | must be a finite number, 0.25 to 5
 --gains iris_plus --logic cascade | --gains iris_plus: logics/cascade/ holds no gains, name a file
---logic arducopter --bandwidth 4 | --bandwidth 4: brings arducopter's angle.p to 18, must be above 0 and at most 12
 --rate 100 | --rate: reactive control has none
 --policy periodic --rate 2000 | must be 1 to 1000 Hz
 --seed -1 | must be a whole number, 0 to 4294967295

@@ -136,6 +136,20 @@ mod tests {
     }
 
     #[test]
+    fn loops_that_would_be_too_fast_are_refused_with_the_gain_and_its_range() {
+        let file = tempfile::Builder::new()
+            .suffix(FILE_END)
+            .tempfile()
+            .unwrap();
+        std::fs::write(file.path(), "[angle]\np = [20, 20, 5]\n").unwrap();
+        let name = file.path().to_str().unwrap();
+        let refusal = GainSet::load(LogicName::ArduCopter, Some(name), 4.0).unwrap_err();
+        let line =
+            "--bandwidth 4: brings arducopter's angle.p to 80, must be above 0 and at most 60";
+        assert_eq!(refusal.to_string(), line);
+    }
+
+    #[test]
     fn unknown_names_and_wrong_files_are_refused_in_one_line() {
         let folder = tempfile::tempdir().unwrap();
         let file = |name: &str, text: &str| {
