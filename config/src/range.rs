@@ -85,6 +85,10 @@ ranges! {
     rotor_speed: f64 = within(50.0, 10_000.0), "rad/s";
     /// How long a rotor takes to follow.
     motor_lag: [f64; 2] = within(0.005, 1.0), "s";
+    /// The speed of a motor without load per voltage.
+    velocity_constant: f64 = within(10.0, 20_000.0), "rpm/V";
+    /// The resistance of a motor.
+    winding: f64 = within(0.001, 10.0), "ohm";
     /// Ideal power over electric power.
     merit: f64 = within(0.05, 1.0), "";
     /// Drag along or about three axes.
