@@ -113,6 +113,12 @@ ranges! {
     gust_interval: f64 = within(1.0, 3600.0), "s";
     /// Reports of a place per second.
     tracking_rate: f64 = within(5.0, 50.0), "Hz";
+    /// How old a reported place is.
+    tracking_delay: f64 = within(0.0, 0.5), "s";
+    /// A slow error of a reported place.
+    drift: f64 = within(0.0, 10.0), "m";
+    /// How long such an error is remembered.
+    drift_time: f64 = within(1.0, 3600.0), "s";
     /// Noise of a reported place or velocity, in m or m/s.
     tracking_noise: f64 = within(0.0, 1.0), "";
     /// A direction.

@@ -31,12 +31,13 @@ mod station;
 mod tests;
 mod tier;
 pub mod track;
+mod tracker;
 mod world;
 
 use anyhow::Result;
 use reflex::settings::Settings;
 use reflex_config::Airframe;
-use reflex_config::plant::{Environment, Vehicle};
+use reflex_config::plant::{Environment, Tracking, Vehicle};
 
 use crate::firmware::Firmware;
 use crate::logics::GainSet;
@@ -66,6 +67,10 @@ pub struct Scene {
     pub environment_name: String,
     /// The environment.
     pub environment: Environment,
+    /// How the drone's place is known.
+    pub position_name: String,
+    /// What is reported of it.
+    pub tracking: Tracking,
     /// The drone as a body.
     pub vehicle: Vehicle,
     /// Name of the airframe.
@@ -75,16 +80,22 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// An airframe in an environment, both of the configuration.
+    /// An airframe in an environment, both of the configuration; its place is known as the
+    /// environment says where no other way is named.
     ///
     /// # Errors
     /// An unknown name, with those that are known; a file with something wrong in it.
-    pub fn load(environment: &str, airframe: &str) -> Result<Self> {
+    pub fn load(environment: &str, airframe: &str, position: Option<&str>) -> Result<Self> {
         let config = crate::toolchain::root().join("config");
         let (vehicle, of_motors) = Vehicle::load(&config, airframe)?;
+        let environment_name = environment.to_owned();
+        let environment = Environment::load(&config, environment)?;
+        let position_name = position.unwrap_or(&environment.position).to_owned();
         Ok(Self {
-            environment_name: environment.to_owned(),
-            environment: Environment::load(&config, environment)?,
+            tracking: Tracking::load(&config, &position_name)?,
+            position_name,
+            environment_name,
+            environment,
             vehicle,
             airframe_name: airframe.to_owned(),
             airframe: of_motors,

@@ -169,7 +169,7 @@ mod tests {
         assert_eq!(exit_code(&Refusal::new("no").into()), REFUSED);
         let wrapped = anyhow::Error::from(Refusal::new("no")).context("while asking");
         assert_eq!(exit_code(&wrapped), REFUSED);
-        let unknown = crate::closed_loop::Scene::load("moon", reflex::config::AIRFRAME);
+        let unknown = crate::closed_loop::Scene::load("moon", reflex::config::AIRFRAME, None);
         assert_eq!(exit_code(&unknown.unwrap_err()), REFUSED);
         assert_eq!(exit_code(&anyhow::anyhow!("broken")), FAILED);
     }

@@ -116,7 +116,7 @@ fn scenes(jobs: &[Job]) -> Result<Scenes<'_>> {
     for job in jobs {
         if let Entry::Vacant(place) = scenes.entry(place(&job.sortie)) {
             let [environment, airframe] = *place.key();
-            place.insert(Scene::load(environment, airframe)?);
+            place.insert(Scene::load(environment, airframe, None)?);
         }
     }
     Ok(scenes)

@@ -82,7 +82,7 @@ impl<'o> Flight<'o> {
             world,
             tier,
             course: Course::new(options.mission, scene.environment.area_m, seed),
-            station: Station::new(flies_to_goals, &scene.environment.position, seed),
+            station: Station::new(flies_to_goals, &scene.tracking, seed),
             measures: Measures::default(),
             track: Vec::new(),
             scored: None,

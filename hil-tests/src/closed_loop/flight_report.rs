@@ -54,6 +54,7 @@ impl Flight<'_> {
         let rate_hz = (policy == Policy::Periodic).then(|| 1e6 / period.ticks() as f64);
         Ok(FlightReport {
             environment: scene.environment_name.clone(),
+            position: scene.position_name.clone(),
             airframe: scene.airframe_name.clone(),
             logic: options.gains.logic().word().to_owned(),
             gains: options.gains.name().map(str::to_owned),

@@ -11,6 +11,8 @@ use crate::scoring::{ByReason, or_dash};
 pub struct FlightReport {
     /// Name of the environment.
     pub environment: String,
+    /// How the drone's place is known: a name.
+    pub position: String,
     /// Name of the airframe.
     pub airframe: String,
     /// Name of the control logic.
@@ -208,6 +210,7 @@ mod tests {
     fn crashed() -> FlightReport {
         FlightReport {
             environment: "arch".into(),
+            position: "companion".into(),
             airframe: "quad_x".into(),
             logic: "cascade".into(),
             gains: None,

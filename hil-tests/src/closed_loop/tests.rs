@@ -10,7 +10,7 @@ use reflex::time::{Duration, micros};
 
 /// A short flight of a logic, natively.
 fn flown(environment: &str, options: &FlyOptions) -> FlightReport {
-    let scene = Scene::load(environment, reflex::config::AIRFRAME).unwrap();
+    let scene = Scene::load(environment, reflex::config::AIRFRAME, None).unwrap();
     let flown = fly(&scene, options, Flyer::Native, &mut Silent).unwrap();
     flown.report
 }
@@ -82,7 +82,7 @@ fn the_same_seed_flies_the_same_flight_and_another_seed_another() {
 /// A crash is no number: where the scored part would be, there is nothing.
 #[test]
 fn a_drone_that_cannot_lift_itself_crashes_or_stays_but_scores_no_lie() {
-    let mut scene = Scene::load("arch", reflex::config::AIRFRAME).unwrap();
+    let mut scene = Scene::load("arch", reflex::config::AIRFRAME, None).unwrap();
     // Half of the thrust that it takes to turn against the wind, and none to spare.
     scene.vehicle.rotors.full_thrust_n = 3.4;
     let mut options = options(LogicName::Cascade, Policy::Reactive, 2);
@@ -105,7 +105,7 @@ fn a_drone_that_cannot_lift_itself_crashes_or_stays_but_scores_no_lie() {
 /// The firmware checks itself against the host on the way; see `emulated`.
 #[test]
 fn the_firmware_flies_in_closed_loop_and_comes_to_the_hosts_commands_bit_by_bit() {
-    let scene = Scene::load("arch", reflex::config::AIRFRAME).unwrap();
+    let scene = Scene::load("arch", reflex::config::AIRFRAME, None).unwrap();
     let mut options = options(LogicName::configured(), Policy::Reactive, 4);
     options.duration_s = 14.0;
     let firmware = Firmware::build(options.gains.logic(), &mut Silent).unwrap();
@@ -133,7 +133,7 @@ fn the_firmware_flies_in_closed_loop_and_comes_to_the_hosts_commands_bit_by_bit(
 /// Airframe and gains reach it in the settings block; it checks itself against the host.
 #[test]
 fn the_same_firmware_flies_another_airframe_with_faster_loops() {
-    let scene = Scene::load("lab", "hexa_x").unwrap();
+    let scene = Scene::load("lab", "hexa_x", None).unwrap();
     let mut options = options(LogicName::configured(), Policy::Reactive, 6);
     options.gains = GainSet::load(LogicName::configured(), None, 1.4).unwrap();
     options.duration_s = 11.0;

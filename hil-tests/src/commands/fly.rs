@@ -23,6 +23,9 @@ pub(super) struct FlyArguments {
     /// Where to fly: a file of config/environments/
     #[arg(long, value_name = "NAME", default_value = "rugby")]
     environment: String,
+    /// How the drone's place is known: a file of config/positions/ [default: the environment's]
+    #[arg(long, value_name = "NAME")]
+    position: Option<String>,
     /// What to fly: a file of config/airframes/ with one in config/vehicles/
     #[arg(long, value_name = "NAME", default_value = AIRFRAME)]
     airframe: String,
@@ -52,7 +55,11 @@ pub(super) struct FlyArguments {
 /// Flies, then prints the report. A crash is reported, and fails the command.
 pub(super) fn run(arguments: &FlyArguments) -> Result<()> {
     let options = arguments.options()?;
-    let scene = Scene::load(&arguments.environment, &arguments.airframe)?;
+    let scene = Scene::load(
+        &arguments.environment,
+        &arguments.airframe,
+        arguments.position.as_deref(),
+    )?;
     let mut bar = Bar::new();
     let flown = arguments.fly(&scene, &options, &mut bar);
     bar.finish();
@@ -197,11 +204,17 @@ mod tests {
 
     #[test]
     fn unknown_places_and_drones_are_named_with_those_that_are_known() {
-        let told = Scene::load("moon", AIRFRAME).unwrap_err().to_string();
+        let told = Scene::load("moon", AIRFRAME, None).unwrap_err().to_string();
         assert!(told.ends_with("must be one of: arch, lab, rugby"), "{told}");
-        let told = Scene::load("arch", "kite").unwrap_err().to_string();
+        let told = Scene::load("arch", "kite", None).unwrap_err().to_string();
         assert!(
             told.ends_with("must be one of: hexa_x, quad_x, y6"),
+            "{told}"
+        );
+        let told = Scene::load("arch", AIRFRAME, Some("stars")).unwrap_err();
+        assert!(
+            told.to_string()
+                .ends_with("must be one of: companion, motion_capture, satellites"),
             "{told}"
         );
     }

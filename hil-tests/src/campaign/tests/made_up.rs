@@ -25,6 +25,7 @@ pub(in crate::campaign) fn landed(role: Role, seed: u32, pitch: f64) -> Landed {
     };
     let report = FlightReport {
         environment: sortie.environment.clone(),
+        position: "motion_capture".into(),
         airframe: sortie.airframe.clone(),
         logic: sortie.logic.clone(),
         gains: None,
