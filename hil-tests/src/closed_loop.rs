@@ -15,6 +15,7 @@
 //! any command that is still to come can apply, so that none comes late. Virtual time alone counts: the same
 //! options give the same flight, bit for bit.
 
+pub mod contention;
 mod desired;
 mod emulated;
 mod flight;
@@ -43,6 +44,7 @@ use crate::firmware::Firmware;
 use crate::logics::GainSet;
 use crate::progress::Progress;
 
+use contention::Contention;
 use flight::Flight;
 pub use mission::Mission;
 use report::FlightReport;
@@ -119,6 +121,8 @@ pub struct FlyOptions {
     pub scored_from_s: Option<f64>,
     /// How the drone differs from the one that the gains are for.
     pub stress: Stress,
+    /// How control shares the processor.
+    pub contention: Contention,
 }
 
 /// A drone that answers more strongly, or later: what gain and delay margins are measured with.

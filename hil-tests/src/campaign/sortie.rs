@@ -12,6 +12,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::role::Role;
+use crate::closed_loop::contention::Contention;
 use crate::closed_loop::{FlyOptions, Mission, Stress};
 use crate::logics::{GainSet, LogicName};
 pub use crate::scoring::Tier;
@@ -186,6 +187,7 @@ impl Job {
             duration_s: f64::from(sortie.duration_s),
             scored_from_s: Some(f64::from(scored_from_s)),
             stress,
+            contention: Contention::default(),
         })
     }
 }

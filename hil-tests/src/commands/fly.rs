@@ -7,10 +7,13 @@ use clap::Args;
 use reflex::config::AIRFRAME;
 
 use super::bar::Bar;
-use super::flight_numbers::{BANDWIDTH, CLOCK, DURATION, FlightNumbers, PLANT_DELAY, PLANT_GAIN};
+use super::flight_numbers::{
+    BANDWIDTH, CLOCK, DURATION, FlightNumbers, JITTER, LATE, LATE_SHARE, PLANT_DELAY, PLANT_GAIN,
+};
 use super::logic_arguments::LogicArguments;
 use super::quantities::number;
 use super::settings_arguments::{SettingsArguments, refused};
+use crate::closed_loop::contention::{Contention, Scheduler};
 use crate::closed_loop::{self, FlyOptions, Flyer, Mission, Scene, Stress, plot, report};
 use crate::firmware::Firmware;
 use crate::output_file::OutputFile;
@@ -38,6 +41,9 @@ pub(super) struct FlyArguments {
     settings: SettingsArguments,
     #[command(flatten)]
     numbers: FlightNumbers,
+    /// Whether other tasks give way to control at once, or as ArduPilot's: once they have ended
+    #[arg(long, value_enum, default_value = "preemptive")]
+    scheduler: Scheduler,
     /// Where the scored part begins, in s from take-off [default: 10 or the end of the warm-up, whichever is later]
     #[arg(long, value_name = "SECONDS", value_parser = number, allow_negative_numbers = true)]
     scored_from: Option<f64>,
@@ -111,6 +117,12 @@ impl FlyArguments {
                 gain: numbers.get(PLANT_GAIN)?,
                 delay_s: numbers.get(PLANT_DELAY)?,
             },
+            contention: Contention {
+                jitter_s: numbers.get(JITTER)?,
+                late_share: numbers.get(LATE_SHARE)?,
+                late_s: numbers.get(LATE)?,
+                scheduler: self.scheduler,
+            },
         })
     }
 
@@ -159,6 +171,8 @@ mod tests {
 --plot src | --plot src: is a folder
 --plot nowhere/a.svg | --plot nowhere/a.svg: its folder does not exist
 --plant-delay 1 | --plant-delay: 1 is out of range, must be 0 to 0.2 s
+--late-share 2 | --late-share: 2 is out of range, must be 0 to 1
+--scheduler fair | [possible values: preemptive, cooperative]
 --bandwidth 0.1 | --bandwidth: 0.1 is out of range, must be 0.25 to 5
 --bandwidth fast | must be a finite number, 0.25 to 5
 --gains iris_plus --logic cascade | --gains iris_plus: logics/cascade/ holds no gains, name a file
