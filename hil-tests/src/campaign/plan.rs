@@ -145,13 +145,15 @@ impl Plan {
     /// No logic of the plan has gains of this name.
     pub fn with_gains(self, name: &str) -> Result<Self, Refusal> {
         let varied = |logic: &String| {
+            let logic = logic.split('/').next().unwrap_or(logic);
             let known = LogicName::from_str(logic, false).ok()?.variations();
             known
                 .iter()
                 .any(|it| it == name)
                 .then(|| format!("{logic}/{name}"))
         };
-        let logics: Vec<String> = self.logics.iter().filter_map(varied).collect();
+        let mut logics: Vec<String> = self.logics.iter().filter_map(varied).collect();
+        logics.dedup();
         if logics.is_empty() {
             let of = self.logics.join(", ");
             let line = format!("--gains {name}: no config/logics/LOGIC/{name}.toml of {of}");
@@ -381,12 +383,16 @@ mod tests {
 
     #[test]
     fn gains_of_a_name_are_flown_by_the_logics_that_have_them() {
+        let paper = Plan::named("paper", None).unwrap();
+        let varied = paper.with_gains("iris_plus").unwrap();
+        assert_eq!(varied.logics, ["arducopter/iris_plus"]);
         let plan = Plan::named("smoke", None).unwrap();
         let varied = plan.clone().with_gains("iris_plus").unwrap();
         assert_eq!(varied.logics, ["arducopter/iris_plus"]);
         assert_eq!(varied.sweep_logic, "arducopter/iris_plus");
         let error = plan.with_gains("kite").unwrap_err().to_string();
-        let line = "--gains kite: no config/logics/LOGIC/kite.toml of arducopter, cascade";
+        let line =
+            "--gains kite: no config/logics/LOGIC/kite.toml of arducopter/iris_plus, cascade";
         assert_eq!(error, line);
     }
 

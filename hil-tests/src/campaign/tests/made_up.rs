@@ -17,7 +17,7 @@ pub(in crate::campaign) fn landed(role: Role, seed: u32, pitch: f64) -> Landed {
     let sortie = Sortie {
         tier: Tier::Native,
         airframe: reflex::config::AIRFRAME.into(),
-        logic: "arducopter".into(),
+        logic: "cascade".into(),
         environment: "lab".into(),
         duration_s: 30,
         role,
