@@ -8,9 +8,9 @@ use crate::closed_loop::Stress;
 const DELAYS_MS: [u32; 3] = [5, 10, 20];
 /// Most that a drone turns which bears its strain, RMS in mrad/s.
 ///
-/// Wind turns it by 40, and fast loops by as much again without any strain. What has no margin left
-/// oscillates at a thousand and more; in between loops ring, and the rule decides.
-const LIMITS_MRAD_S: [u32; 2] = [100, 300];
+/// Wind alone turns slow loops by up to 120 in arch. What has no margin left oscillates at 400 and
+/// more; in between loops ring, and the rule decides.
+const LIMITS_MRAD_S: [u32; 2] = [150, 300];
 
 /// Who takes part where reactive control is compared other than as configured over waypoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -104,7 +104,7 @@ mod tests {
             160 => 200,
             _ => 2000,
         };
-        let [strict, lax] = [100, 300].map(|limit_mrad_s| Rule {
+        let [strict, lax] = [150, 300].map(|limit_mrad_s| Rule {
             limit_mrad_s,
             ..Rule::MIDDLE
         });
