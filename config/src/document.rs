@@ -35,7 +35,18 @@ impl Document {
 
     /// The declared content; errors as those of [`Self::parse`].
     pub(crate) fn values(&self, schema: &Schema) -> Result<Values, ConfigError> {
-        self.seeded(File(schema))
+        self.seeded(File {
+            schema,
+            is_whole: true,
+        })
+    }
+
+    /// Some of the declared content; errors as those of [`Self::parse`].
+    pub(crate) fn some_values(&self, schema: &Schema) -> Result<Values, ConfigError> {
+        self.seeded(File {
+            schema,
+            is_whole: false,
+        })
     }
 
     fn seeded<'d, S: DeserializeSeed<'d>>(&'d self, seed: S) -> Result<S::Value, ConfigError> {

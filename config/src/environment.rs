@@ -26,8 +26,8 @@ pub struct Environment {
     /// Directions from which the wind is weaker.
     #[serde(default)]
     pub shelters: Vec<Shelter>,
-    /// What the ground station knows of the drone's place.
-    pub position: Tracking,
+    /// How the drone's place is known, unless it is said otherwise: a file of `positions/`.
+    pub position: String,
 }
 
 /// Mean wind, and the turbulence that comes with it.
@@ -81,19 +81,40 @@ pub struct Shelter {
     pub passes: f64,
 }
 
-/// Reports of the drone's place, as a motion capture or a companion computer sends them.
+/// The content of a file of `positions/`: reports of the drone's place.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tracking {
     /// Reports per second.
     #[serde(deserialize_with = "range::tracking_rate")]
     pub rate_hz: f64,
+    /// How old a report is in s.
+    #[serde(deserialize_with = "range::tracking_delay")]
+    pub delay_s: f64,
     /// Standard deviation of each coordinate in m.
     #[serde(deserialize_with = "range::tracking_noise")]
     pub noise_m: f64,
     /// Standard deviation of each velocity in m/s.
     #[serde(deserialize_with = "range::tracking_noise")]
     pub noise_m_s: f64,
+    /// Standard deviation of an error that changes slowly, of each coordinate in m.
+    #[serde(deserialize_with = "range::drift")]
+    pub drift_m: f64,
+    /// How long that error is remembered in s.
+    #[serde(deserialize_with = "range::drift_time")]
+    pub drift_s: f64,
+}
+
+impl Tracking {
+    /// Reads what is known of a place by its name, from the folder of the configuration.
+    ///
+    /// # Errors
+    /// An unknown name, with those that are known; a key or value that is wrong.
+    pub fn load(dir: &Path, name: &str) -> Result<Self, ConfigError> {
+        let file = selected_file(dir, "positions", name)
+            .map_err(|message| ConfigError::of_file(Path::new(name), message))?;
+        Document::open(&file)?.parse()
+    }
 }
 
 impl Environment {

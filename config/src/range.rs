@@ -85,6 +85,10 @@ ranges! {
     rotor_speed: f64 = within(50.0, 10_000.0), "rad/s";
     /// How long a rotor takes to follow.
     motor_lag: [f64; 2] = within(0.005, 1.0), "s";
+    /// The speed of a motor without load per voltage.
+    velocity_constant: f64 = within(10.0, 20_000.0), "rpm/V";
+    /// The resistance of a motor.
+    winding: f64 = within(0.001, 10.0), "ohm";
     /// Ideal power over electric power.
     merit: f64 = within(0.05, 1.0), "";
     /// Drag along or about three axes.
@@ -109,6 +113,12 @@ ranges! {
     gust_interval: f64 = within(1.0, 3600.0), "s";
     /// Reports of a place per second.
     tracking_rate: f64 = within(5.0, 50.0), "Hz";
+    /// How old a reported place is.
+    tracking_delay: f64 = within(0.0, 0.5), "s";
+    /// A slow error of a reported place.
+    drift: f64 = within(0.0, 10.0), "m";
+    /// How long such an error is remembered.
+    drift_time: f64 = within(1.0, 3600.0), "s";
     /// Noise of a reported place or velocity, in m or m/s.
     tracking_noise: f64 = within(0.0, 1.0), "";
     /// A direction.

@@ -39,21 +39,26 @@ pub(crate) fn schema(settings: impl IntoIterator<Item = &'static Setting>) -> Sc
         .collect()
 }
 
-/// Reads a whole file of a schema.
-pub(crate) struct File<'s>(pub(crate) &'s Schema);
+/// Reads a file of a schema.
+pub(crate) struct File<'s> {
+    pub(crate) schema: &'s Schema,
+    /// A key that is missing is an error.
+    pub(crate) is_whole: bool,
+}
 
 impl<'de> DeserializeSeed<'de> for File<'_> {
     type Value = Values;
 
     fn deserialize<D: Deserializer<'de>>(self, source: D) -> Result<Values, D::Error> {
-        let mut found = vec![None; self.0.len()];
+        let mut found = vec![None; self.schema.len()];
         let table = Table {
-            schema: self.0,
+            schema: self.schema,
+            is_whole: self.is_whole,
             path: String::new(),
             found: &mut found,
         };
         table.deserialize(source)?;
-        let values = self.0.iter().zip(found);
+        let values = self.schema.iter().zip(found);
         let values =
             values.filter_map(|((key, setting), value)| Some((key.clone(), *setting, value?)));
         Ok(Values(values.collect()))
@@ -63,6 +68,7 @@ impl<'de> DeserializeSeed<'de> for File<'_> {
 /// A table of the file: its path, with a dot behind, and where its values go.
 struct Table<'s> {
     schema: &'s Schema,
+    is_whole: bool,
     path: String,
     found: &'s mut Vec<Option<Value>>,
 }
@@ -111,6 +117,7 @@ impl<'de> Visitor<'de> for Table<'_> {
                 }
                 None => map.next_value_seed(Table {
                     schema: self.schema,
+                    is_whole: self.is_whole,
                     path: path + ".",
                     found: &mut *self.found,
                 })?,
@@ -118,8 +125,10 @@ impl<'de> Visitor<'de> for Table<'_> {
             seen.push(key);
         }
         match keys.iter().find(|key| !seen.contains(key)) {
-            Some(missing) => Err(M::Error::custom(format!("missing field `{missing}`"))),
-            None => Ok(()),
+            Some(missing) if self.is_whole => {
+                Err(M::Error::custom(format!("missing field `{missing}`")))
+            }
+            _ => Ok(()),
         }
     }
 }

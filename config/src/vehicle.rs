@@ -3,6 +3,7 @@
 //! Not part of what the firmware is built from: `cargo hil fly` and `cargo hil campaign` read it.
 //! The arms' directions and the propellers' spins are those of the airframe of the same name.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -65,7 +66,13 @@ pub struct Rotors {
     /// Moment of inertia of rotor and bell in kg m2.
     #[serde(deserialize_with = "range::share")]
     pub inertia_kg_m2: f64,
-    /// Ideal power over electric power in hover.
+    /// Speed of a motor without load per voltage, in rpm/V.
+    #[serde(deserialize_with = "range::velocity_constant")]
+    pub velocity_constant_rpm_v: f64,
+    /// Resistance of a motor between two terminals in ohm.
+    #[serde(deserialize_with = "range::winding")]
+    pub winding_ohm: f64,
+    /// Ideal power over electric power at a steady speed.
     #[serde(deserialize_with = "range::merit")]
     pub figure_of_merit: f64,
     /// Drag of a rotor across its axis, N per m/s and rad/s.
@@ -80,6 +87,17 @@ pub struct Rotors {
     /// What is left of their thrust.
     #[serde(default = "whole", deserialize_with = "range::positive_share")]
     pub lower_efficiency: f64,
+}
+
+impl Rotors {
+    /// Torque per root of the heat in a motor's windings, N m/W^0.5.
+    ///
+    /// Torque per current is the inverse of speed per voltage.
+    #[must_use]
+    pub fn motor_constant(&self) -> f64 {
+        let radians_per_volt = self.velocity_constant_rpm_v * TAU / 60.0;
+        1.0 / (radians_per_volt * self.winding_ohm.sqrt())
+    }
 }
 
 fn whole() -> f64 {

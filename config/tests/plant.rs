@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use reflex_config::plant::{Environment, Vehicle};
+use reflex_config::plant::{Environment, Tracking, Vehicle};
 
 fn shipped() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -13,7 +13,9 @@ fn every_shipped_environment_and_vehicle_can_be_read() {
     let names = Environment::names(shipped()).unwrap();
     assert_eq!(names, ["arch", "lab", "rugby"]);
     for name in names {
-        Environment::load(shipped(), &name).unwrap_or_else(|error| panic!("{error}"));
+        let environment =
+            Environment::load(shipped(), &name).unwrap_or_else(|error| panic!("{error}"));
+        Tracking::load(shipped(), &environment.position).unwrap_or_else(|error| panic!("{error}"));
     }
     let names = Vehicle::names(shipped()).unwrap();
     assert_eq!(names, ["hexa_x", "quad_x", "y6"]);
@@ -40,7 +42,7 @@ fn unknown_names_list_the_known_ones() {
 /// A copy of the shipped files in which one text is another, and what is said of it.
 fn spoilt(file: &str, from: &str, to: &str) -> String {
     let dir = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(to.replace(['/', ' '], "_"));
-    for folder in ["environments", "vehicles", "airframes"] {
+    for folder in ["environments", "positions", "vehicles", "airframes"] {
         std::fs::create_dir_all(dir.join(folder)).unwrap();
         for entry in std::fs::read_dir(shipped().join(folder)).unwrap().flatten() {
             std::fs::copy(entry.path(), dir.join(folder).join(entry.file_name())).unwrap();
@@ -52,6 +54,7 @@ fn spoilt(file: &str, from: &str, to: &str) -> String {
     std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
     let error = match file.split_once('/').unwrap().0 {
         "environments" => Environment::load(&dir, "arch").unwrap_err(),
+        "positions" => Tracking::load(&dir, "satellites").unwrap_err(),
         _ => Vehicle::load(&dir, "y6").unwrap_err(),
     };
     error.to_string()
@@ -71,6 +74,12 @@ fn a_wrong_value_names_file_line_key_and_range() {
             "mean_m_s = 5",
             "mean_m_s = nan",
             "wind.mean_m_s: NaN is out of range",
+        ),
+        (
+            "positions/satellites.toml",
+            "delay_s = 0.12",
+            "delay_s = 12",
+            "delay_s: 12.0 is out of range, must be 0 to 0.5 s",
         ),
         (
             "environments/arch.toml",

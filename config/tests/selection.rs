@@ -80,7 +80,7 @@ fn a_bandwidth_multiplies_the_gains_of_attitude_and_rate_loops() {
 #[test]
 fn a_bandwidth_that_brings_a_gain_out_of_its_range_is_refused() {
     assert_eq!(
-        quickened("arducopter", 4.0),
-        Err("4: brings arducopter's angle.p to 18, must be above 0 and at most 12".to_owned())
+        quickened("arducopter", 20.0),
+        Err("20: brings arducopter's angle.p to 90, must be above 0 and at most 60".to_owned())
     );
 }

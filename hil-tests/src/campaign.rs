@@ -20,6 +20,7 @@ mod margins;
 mod plan;
 mod report;
 mod role;
+mod rule;
 mod shard;
 mod sortie;
 mod sources;
@@ -47,7 +48,8 @@ pub use shard::Shard;
 use crew::Orders;
 use journal::{Journal, Records, Stamp};
 use plan::USUAL_HZ;
-use role::{Contender, Role};
+use role::Role;
+use rule::{Contender, Tempo};
 use sortie::{AS_CONFIGURED, Job, Sortie, Tier};
 
 /// The options of a campaign.
@@ -185,12 +187,12 @@ impl Flying<'_> {
                 let load = load::measured(self.plan, records, sortie)?;
                 Some(load.period_us())
             }
-            Role::Margin(Contender::Usual, ..)
-            | Role::Tuned(Contender::Usual)
+            Role::Margin(Tempo::Usual, ..)
+            | Role::Tuned(_, Contender::Usual)
             | Role::Hovering(Contender::Usual)
             | Role::Observing(Contender::Usual) => Some(load::period_us(f64::from(USUAL_HZ))),
-            Role::Margin(Contender::EqualRuns, ..) => {
-                let rate_hz = tuning::reactive_rate_hz(self.plan, records, sortie)?;
+            Role::Margin(Tempo::EqualRuns(rule), ..) => {
+                let rate_hz = tuning::reactive_rate_hz(self.plan, records, sortie, rule)?;
                 Some(load::period_us(rate_hz))
             }
             role => match role.decided_by() {
@@ -203,7 +205,7 @@ impl Flying<'_> {
         };
         let bandwidth = match sortie.role {
             Role::Margin(_, percent, _) => percent,
-            Role::Tuned(of) => tuning::fastest(records, sortie, of)?,
+            Role::Tuned(rule, of) => tuning::fastest(records, sortie, rule, of)?,
             _ => AS_CONFIGURED,
         };
         Some(Job {

@@ -15,6 +15,7 @@
 //! any command that is still to come can apply, so that none comes late. Virtual time alone counts: the same
 //! options give the same flight, bit for bit.
 
+pub mod contention;
 mod desired;
 mod emulated;
 mod flight;
@@ -31,18 +32,20 @@ mod station;
 mod tests;
 mod tier;
 pub mod track;
+mod tracker;
 mod world;
 
 use anyhow::Result;
 use reflex::settings::Settings;
 use reflex_config::Airframe;
-use reflex_config::plant::{Environment, Vehicle};
+use reflex_config::plant::{Environment, Tracking, Vehicle};
 
 use crate::firmware::Firmware;
-use crate::logics::AnyGains;
+use crate::logics::GainSet;
 use crate::progress::Progress;
 use crate::record::Counted;
 
+use contention::Contention;
 use flight::Flight;
 pub use mission::Mission;
 use report::FlightReport;
@@ -90,6 +93,10 @@ pub struct Scene {
     pub environment_name: String,
     /// The environment.
     pub environment: Environment,
+    /// How the drone's place is known.
+    pub position_name: String,
+    /// What is reported of it.
+    pub tracking: Tracking,
     /// The drone as a body.
     pub vehicle: Vehicle,
     /// Name of the airframe.
@@ -99,16 +106,22 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// An airframe in an environment, both of the configuration.
+    /// An airframe in an environment, both of the configuration; its place is known as the
+    /// environment says where no other way is named.
     ///
     /// # Errors
     /// An unknown name, with those that are known; a file with something wrong in it.
-    pub fn load(environment: &str, airframe: &str) -> Result<Self> {
+    pub fn load(environment: &str, airframe: &str, position: Option<&str>) -> Result<Self> {
         let config = crate::toolchain::root().join("config");
         let (vehicle, of_motors) = Vehicle::load(&config, airframe)?;
+        let environment_name = environment.to_owned();
+        let environment = Environment::load(&config, environment)?;
+        let position_name = position.unwrap_or(&environment.position).to_owned();
         Ok(Self {
-            environment_name: environment.to_owned(),
-            environment: Environment::load(&config, environment)?,
+            tracking: Tracking::load(&config, &position_name)?,
+            position_name,
+            environment_name,
+            environment,
             vehicle,
             airframe_name: airframe.to_owned(),
             airframe: of_motors,
@@ -120,9 +133,7 @@ impl Scene {
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlyOptions {
     /// The gains of the control logic, which say its name.
-    pub gains: AnyGains,
-    /// How many times as fast as configured they make attitude and rate loops.
-    pub bandwidth: f64,
+    pub gains: GainSet,
     /// The autopilot's settings; its seed is that of everything.
     pub settings: Settings,
     /// What the drone is to do.
@@ -134,6 +145,8 @@ pub struct FlyOptions {
     pub scored_from_s: Option<f64>,
     /// How the drone differs from the one that the gains are for.
     pub stress: Stress,
+    /// How control shares the processor.
+    pub contention: Contention,
 }
 
 /// A drone that answers more strongly, or later: what gain and delay margins are measured with.

@@ -10,6 +10,7 @@ mod declared_options;
 mod flight_numbers;
 mod fly;
 mod graph;
+mod logic_arguments;
 mod profile;
 mod quantities;
 mod recorded_arguments;
@@ -175,7 +176,7 @@ mod tests {
         assert_eq!(exit_code(&Refusal::new("no").into()), REFUSED);
         let wrapped = anyhow::Error::from(Refusal::new("no")).context("while asking");
         assert_eq!(exit_code(&wrapped), REFUSED);
-        let unknown = crate::closed_loop::Scene::load("moon", reflex::config::AIRFRAME);
+        let unknown = crate::closed_loop::Scene::load("moon", reflex::config::AIRFRAME, None);
         assert_eq!(exit_code(&unknown.unwrap_err()), REFUSED);
         assert_eq!(exit_code(&anyhow::anyhow!("broken")), FAILED);
     }

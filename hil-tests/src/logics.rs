@@ -1,5 +1,6 @@
 //! Any control logic, chosen while the program runs: the firmware has one built in.
 
+mod gain_set;
 mod start;
 mod tapped;
 #[cfg(test)]
@@ -17,6 +18,7 @@ use reflex::settings;
 use reflex::settings::gains::{self, Gains, LogicGains};
 use reflex::units::Thrust;
 
+pub use gain_set::GainSet;
 pub use start::Start;
 pub use tapped::steps_of;
 

@@ -61,7 +61,7 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Pr
     let settings = &options.settings;
     let subject = Subject {
         flight: run.log.clone(),
-        logic: options.logic.word().to_owned(),
+        logic: options.gains.logic().word().to_owned(),
         policy: run.policy.clone(),
         rate_hz: (settings.policy == Policy::Periodic)
             .then(|| 1e6 / settings.period.ticks() as f64),

@@ -109,7 +109,7 @@ impl Drone {
         };
         drone.ground.settle(&state, &state, &mut drone.anchors);
         let wind = Vector3::zeros();
-        let motion = drone.motion(wind, [0.0; MAX_MOTORS]);
+        let motion = drone.motion(wind, state.rotor_speeds);
         let mut unused: Flat = motion::flatten(&state);
         motion.diff(0.0, &motion::flatten(&state), &mut unused);
         drone.loads = motion.loads.get();

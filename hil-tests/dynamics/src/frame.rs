@@ -18,8 +18,12 @@ pub struct Rotor {
     pub thrust: f64,
     /// Torque of the air, N m per (rad/s)^2.
     torque: f64,
-    /// Electric power, W per (rad/s)^3.
+    /// Electric power at a steady speed, W per (rad/s)^3.
     power: f64,
+    /// Moment of inertia about the axis, kg m2.
+    inertia: f64,
+    /// Heat of the windings, W per (N m)^2.
+    heat: f64,
 }
 
 impl Rotor {
@@ -40,7 +44,24 @@ impl Rotor {
             // A rotor in another's wake keeps its torque and power and loses thrust.
             torque: free * of.torque_per_thrust,
             power: ideal / of.figure_of_merit,
+            inertia: of.rotor_inertia,
+            heat: of.motor_constant.powi(-2),
         }
+    }
+
+    fn steady_power(&self, speed: f64) -> f64 {
+        self.power * speed * speed * speed
+    }
+
+    /// Power at a speed in rad/s that changes by so much, in rad/s2.
+    ///
+    /// The figure of merit has the copper losses of a steady speed. Acceleration adds the rotor's
+    /// energy, and what its current heats the windings more. A rotor that brakes gives nothing back.
+    fn working_power(&self, speed: f64, change: f64) -> f64 {
+        let torque = self.torque * speed * speed;
+        let more = self.inertia * change;
+        let heat = self.heat * more * (2.0 * torque + more);
+        (self.steady_power(speed) + more * speed + heat).max(0.0)
     }
 }
 
@@ -76,11 +97,20 @@ impl Frame {
         }
     }
 
-    /// Electric power at these rotor speeds, W.
-    pub fn power(&self, speeds: &[f64]) -> f64 {
+    /// Electric power at these rotor speeds, were they steady, W.
+    pub fn steady_power(&self, speeds: &[f64]) -> f64 {
         let rotors = self.rotors.iter().zip(speeds);
         let motors: f64 = rotors
-            .map(|(rotor, speed)| rotor.power * speed * speed * speed)
+            .map(|(rotor, speed)| rotor.steady_power(*speed))
+            .sum();
+        motors + self.vehicle.propulsion.electronics
+    }
+
+    /// Electric power at these rotor speeds, which change so fast, W.
+    pub fn working_power(&self, speeds: &[f64], changes: &[f64]) -> f64 {
+        let rotors = self.rotors.iter().zip(speeds).zip(changes);
+        let motors: f64 = rotors
+            .map(|((rotor, speed), change)| rotor.working_power(*speed, *change))
             .sum();
         motors + self.vehicle.propulsion.electronics
     }

@@ -26,8 +26,8 @@
 //! ```
 //!
 //! **Not modelled**: ground effect, vortex ring state and inflow, blade flapping, wake of one
-//! rotor on another but for a constant factor, flexing of the frame, motors' currents when they
-//! spin up, regenerative braking, temperature, sensors away from the centre of mass.
+//! rotor on another but for a constant factor, flexing of the frame, regenerative
+//! braking, temperature, sensors away from the centre of mass.
 
 mod battery;
 mod drone;

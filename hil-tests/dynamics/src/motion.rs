@@ -52,12 +52,15 @@ pub struct Motion<'a> {
 }
 
 impl Motion<'_> {
-    /// Accelerations of the rotors, rad/s2, and the battery's voltage and load.
+    /// Accelerations of the rotors, rad/s2, and the battery's load and voltage.
+    ///
+    /// Rotors seek the speed that the voltage of steady ones allows: their own acceleration, which
+    /// pulls it down for as long as they lag, would make a loop without time in it.
     fn drive(&self, charge: f64, speeds: &[f64], rates: &mut [f64]) -> (f64, f64) {
         let frame = self.frame;
-        let power = frame.power(speeds);
         let battery: &Battery = &frame.vehicle.battery;
-        let volts = battery.under_load(self.open_voltage, power);
+        let under = |power| battery.under_load(self.open_voltage, power);
+        let volts = under(frame.steady_power(speeds));
         // An empty battery's controllers switch off.
         let relative = if charge > 0.0 {
             volts / frame.full_voltage
@@ -70,7 +73,8 @@ impl Motion<'_> {
             let missing = sought * relative - speed;
             *rate = missing * if missing > 0.0 { up } else { down };
         }
-        (power, volts)
+        let power = frame.working_power(speeds, rates);
+        (power, under(power))
     }
 
     /// Angular acceleration in body axes, rad/s2 (Euler, with the rotors' spin).

@@ -93,9 +93,13 @@ pub struct Propulsion {
     pub rotor_inertia: f64,
     /// Radius of the rotor, m, 0.01 to 5.
     pub rotor_radius: f64,
+    /// Torque of a motor per root of the heat in its windings, N m/W^0.5, 0.001 to 100.
+    ///
+    /// The motor constant `Km`: torque per current over the root of the resistance.
+    pub motor_constant: f64,
     /// Ideal power of hovering over electric power, 0.05 to 1.
     ///
-    /// That of rotor, motor and controller together. Electric power is that of momentum theory,
+    /// That of rotor, motor and controller together at a steady speed. Electric power is that of momentum theory,
     /// `T^1.5 / sqrt(2 density area)`, over this.
     pub figure_of_merit: f64,
     /// Power of the electronics, W, 0 to 1000.
@@ -268,6 +272,7 @@ impl Propulsion {
         within("lag_down", self.lag_down, 0.002, 2.0)?;
         within("rotor_inertia", self.rotor_inertia, 0.0, 1.0)?;
         within("rotor_radius", self.rotor_radius, 0.01, 5.0)?;
+        within("motor_constant", self.motor_constant, 1e-3, 100.0)?;
         within("figure_of_merit", self.figure_of_merit, 0.05, 1.0)?;
         within("electronics", self.electronics, 0.0, 1000.0)
     }

@@ -8,7 +8,8 @@ use serde::Serialize;
 use super::interval::Interval;
 use super::journal::{Landed, Records};
 use super::plan::{Plan, USUAL_HZ};
-use super::role::{Contender, Role};
+use super::role::Role;
+use super::rule::{Contender, Rule};
 use super::sortie::{CellName, Sortie, Tier};
 use crate::closed_loop::report::FlightReport;
 
@@ -31,10 +32,10 @@ pub enum Metric {
 }
 
 /// Which flights are compared with which, under the same seed, and where that is shown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Comparison {
     /// Its name in tables and JSON.
-    pub name: &'static str,
+    pub name: String,
     /// What is better or worse.
     pub of: Role,
     /// Than what.
@@ -57,9 +58,9 @@ pub struct Shown {
 }
 
 impl Comparison {
-    const fn new(name: &'static str, of: Role, against: Role) -> Self {
+    fn new(name: impl Into<String>, of: Role, against: Role) -> Self {
         Self {
-            name,
+            name: name.into(),
             of,
             against,
             headline: None,
@@ -67,23 +68,18 @@ impl Comparison {
         }
     }
 
-    const fn headline(mut self, place: u8, against: &'static str) -> Self {
+    fn headline(mut self, place: u8, against: &'static str) -> Self {
         self.headline = Some(Shown { place, against });
         self
     }
 
-    const fn figure(mut self, place: u8, against: &'static str) -> Self {
+    fn figure(mut self, place: u8, against: &'static str) -> Self {
         self.figure = Some(Shown { place, against });
         self
     }
 }
 
 const USUAL: Role = Role::Periodic(USUAL_HZ);
-const TUNED: [Role; 3] = [
-    Role::Tuned(Contender::Reactive),
-    Role::Tuned(Contender::Usual),
-    Role::Tuned(Contender::EqualRuns),
-];
 const HOVERING: [Role; 3] = [
     Role::Hovering(Contender::Reactive),
     Role::Hovering(Contender::Usual),
@@ -91,54 +87,88 @@ const HOVERING: [Role; 3] = [
 ];
 
 /// Every comparison of the main part, in the order of the tables.
-pub const COMPARISONS: [Comparison; 11] = [
-    Comparison::new("reactive against 400 Hz", Role::Reactive, USUAL)
-        .headline(3, "Against periodic control at 400 Hz")
-        .figure(1, "400 Hz"),
-    Comparison::new(
-        "reactive against periodic, equal runs",
-        Role::Reactive,
-        Role::EqualRuns,
-    )
-    .headline(1, "Against periodic control that runs as often")
-    .figure(2, "equal runs"),
-    Comparison::new(
-        "reactive against periodic, equal processor time",
-        Role::Reactive,
-        Role::EqualTime,
-    )
-    .headline(2, "Against periodic control that takes as much processor time")
-    .figure(3, "equal time"),
-    Comparison::new(
-        "reactive without foresight against 400 Hz",
-        Role::Unforeseen,
-        USUAL,
-    ),
-    Comparison::new("at equal margins: reactive against 400 Hz", TUNED[0], TUNED[1])
-        .headline(
-            5,
-            "With loops as fast as equal margins allow, against periodic control at 400 Hz",
+#[must_use]
+pub fn comparisons() -> Vec<Comparison> {
+    let [waypoints, hovering] = [over_waypoints().to_vec(), hovering().to_vec()];
+    let tuned = Rule::ALL.into_iter().flat_map(at_equal_margins);
+    waypoints.into_iter().chain(tuned).chain(hovering).collect()
+}
+
+fn over_waypoints() -> [Comparison; 4] {
+    [
+        Comparison::new("reactive against 400 Hz", Role::Reactive, USUAL)
+            .headline(3, "Against periodic control at 400 Hz")
+            .figure(1, "400 Hz"),
+        Comparison::new(
+            "reactive against periodic, equal runs",
+            Role::Reactive,
+            Role::EqualRuns,
         )
-        .figure(5, "400 Hz, equal margins"),
-    Comparison::new(
-        "at equal margins: reactive against periodic, equal runs",
-        TUNED[0],
-        TUNED[2],
-    )
-    .headline(
-        4,
-        "With loops as fast as equal margins allow, against periodic control that runs as often",
-    )
-    .figure(4, "equal runs and margins"),
-    Comparison::new(
-        "what it can buy: reactive with faster loops against 400 Hz as configured",
-        TUNED[0],
-        USUAL,
-    )
-    .headline(
-        6,
-        "What spared runs can buy: reactive control with faster loops, against 400 Hz as configured",
-    ),
+        .headline(1, "Against periodic control that runs as often")
+        .figure(2, "equal runs"),
+        Comparison::new(
+            "reactive against periodic, equal processor time",
+            Role::Reactive,
+            Role::EqualTime,
+        )
+        .headline(
+            2,
+            "Against periodic control that takes as much processor time",
+        )
+        .figure(3, "equal time"),
+        Comparison::new(
+            "reactive without foresight against 400 Hz",
+            Role::Unforeseen,
+            USUAL,
+        ),
+    ]
+}
+
+/// Those with loops that a rule makes as fast as margins allow; one rule is in the headlines.
+fn at_equal_margins(rule: Rule) -> Vec<Comparison> {
+    let [reactive, usual, equal_runs] =
+        [Contender::Reactive, Contender::Usual, Contender::EqualRuns]
+            .map(|of| Role::Tuned(rule, of));
+    let named = |what: &str| format!("at equal margins, {rule}: {what}");
+    let compared = [
+        Comparison::new(named("reactive against 400 Hz"), reactive, usual),
+        Comparison::new(
+            named("reactive against periodic, equal runs"),
+            reactive,
+            equal_runs,
+        ),
+        Comparison::new(
+            named("reactive with faster loops against 400 Hz as configured"),
+            reactive,
+            USUAL,
+        ),
+    ];
+    if rule != Rule::MIDDLE {
+        return compared.into_iter().take(2).collect();
+    }
+    let [against_usual, against_equal_runs, against_configured] = compared;
+    vec![
+        against_usual
+            .headline(
+                5,
+                "With loops as fast as equal margins allow, against periodic control at 400 Hz",
+            )
+            .figure(5, "400 Hz, equal margins"),
+        against_equal_runs
+            .headline(
+                4,
+                "With loops as fast as equal margins allow, against periodic control that runs as often",
+            )
+            .figure(4, "equal runs and margins"),
+        against_configured.headline(
+            6,
+            "What spared runs can buy: reactive control with faster loops, against 400 Hz as configured",
+        ),
+    ]
+}
+
+fn hovering() -> [Comparison; 4] {
+    [
     Comparison::new("hovering: reactive against 400 Hz", HOVERING[0], HOVERING[1])
         .headline(8, "Hovering, against periodic control at 400 Hz")
         .figure(6, "400 Hz, hovering"),
@@ -164,7 +194,8 @@ pub const COMPARISONS: [Comparison; 11] = [
         HOVERING[1],
     )
     .headline(10, "The same observer at 400 Hz, against 400 Hz without"),
-];
+]
+}
 
 /// Comparisons that a part of the report shows, in its order, with its words.
 pub fn shown_in(
@@ -311,9 +342,9 @@ impl Comparison {
             Some((metric, Interval::over_cells(&seeds)?))
         });
         Compared {
-            comparison: self,
             improvement_percent: overall.collect(),
             cells: cells(plan, records, (self.of, self.against)),
+            comparison: self,
         }
     }
 }

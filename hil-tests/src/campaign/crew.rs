@@ -5,15 +5,13 @@ use std::collections::btree_map::Entry;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc;
 
-use anyhow::{Context, Result, anyhow};
-use clap::ValueEnum;
+use anyhow::{Context, Result};
 
 use super::journal::{Landed, Ways};
 use super::sortie::{Job, Sortie, Tier};
 use crate::closed_loop::{self, Core, Flyer, Scene};
 use crate::costs;
 use crate::firmware::Firmware;
-use crate::logics::LogicName;
 use crate::progress::{Progress, Silent};
 use recorded_flights::{Flight, Rotate, sample_flight};
 
@@ -115,34 +113,34 @@ fn scenes(jobs: &[Job]) -> Result<Scenes<'_>> {
     for job in jobs {
         if let Entry::Vacant(place) = scenes.entry(place(&job.sortie)) {
             let [environment, airframe] = *place.key();
-            place.insert(Scene::load(environment, airframe)?);
+            place.insert(Scene::load(environment, airframe, None)?);
         }
     }
     Ok(scenes)
 }
 
-/// Each logic's firmware, built one by one in the same place.
-fn firmware<'j>(
-    jobs: &'j [Job],
-    progress: &mut dyn Progress,
-) -> Result<BTreeMap<&'j str, Firmware>> {
-    let mut built = BTreeMap::new();
-    for job in jobs {
-        let name = job.sortie.logic.as_str();
-        if job.sortie.tier == Tier::Emulated && !built.contains_key(name) {
-            let logic = LogicName::from_str(name, false).map_err(|error| anyhow!("{error}"))?;
-            built.insert(name, Firmware::build(logic, progress)?);
+/// Each logic's firmware.
+type Built = BTreeMap<usize, Firmware>;
+
+/// Builds firmware one by one in the same place.
+fn firmware(jobs: &[Job], progress: &mut dyn Progress) -> Result<Built> {
+    let mut built = Built::new();
+    let emulated = jobs.iter().filter(|job| job.sortie.tier == Tier::Emulated);
+    for job in emulated {
+        let (logic, _) = job.sortie.flies_with()?;
+        if let Entry::Vacant(place) = built.entry(logic.place()) {
+            place.insert(Firmware::build(logic, progress)?);
         }
     }
     Ok(built)
 }
 
-fn fly(job: &Job, scenes: &Scenes<'_>, firmware: &BTreeMap<&str, Firmware>) -> Result<Landed> {
+fn fly(job: &Job, scenes: &Scenes<'_>, firmware: &Built) -> Result<Landed> {
     let sortie = &job.sortie;
     let flyer = match sortie.tier {
         Tier::Native => Flyer::Native,
         Tier::Emulated => {
-            let firmware = firmware.get(sortie.logic.as_str());
+            let firmware = firmware.get(&sortie.flies_with()?.0.place());
             Flyer::Emulated(Core::of(firmware.context("no firmware was built")?))
         }
     };

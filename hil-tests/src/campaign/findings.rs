@@ -6,7 +6,7 @@ use anyhow::Result;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::comparison::{self, COMPARISONS, Compared, Metric, Pair};
+use super::comparison::{self, Compared, Metric, Pair, comparisons};
 use super::interval::Interval;
 use super::journal::{Landed, Records, Ways};
 use super::load::{self, Load, learning_share};
@@ -141,7 +141,10 @@ impl Findings {
             planned: planned.len(),
             missing: planned.iter().filter(lacks).count() - undecided,
             undecided,
-            comparisons: COMPARISONS.map(|one| one.over(plan, records)).to_vec(),
+            comparisons: comparisons()
+                .into_iter()
+                .map(|one| one.over(plan, records))
+                .collect(),
             sweeps: sweeps(plan, records),
             rates: rates(plan, records),
             tunings: tuning::all(plan, records),
@@ -229,8 +232,8 @@ fn in_order(mut swept: Vec<Swept>) -> Vec<Swept> {
 
 /// Every cell in every role that is compared.
 fn means(plan: &Plan, records: &Records) -> Vec<Means> {
-    let roles: BTreeSet<Role> = COMPARISONS
-        .iter()
+    let roles: BTreeSet<Role> = comparisons()
+        .into_iter()
         .flat_map(|it| [it.of, it.against])
         .collect();
     let of_role = |role| {

@@ -1,8 +1,14 @@
 //! Plans by name: which flights a campaign has.
 
+use std::collections::BTreeSet;
+
+use clap::ValueEnum;
+
 use super::margins;
-use super::role::{Contender, Role};
+use super::role::Role;
+use super::rule::Contender;
 use super::sortie::{CellName, Sortie, Tier};
+use crate::logics::LogicName;
 use crate::refusal::Refusal;
 
 /// Every plan's name.
@@ -133,6 +139,33 @@ impl Plan {
         }
     }
 
+    /// The same with gains of a name, for the control logics that have them; others do not fly.
+    ///
+    /// # Errors
+    /// No logic of the plan has gains of this name.
+    pub fn with_gains(self, name: &str) -> Result<Self, Refusal> {
+        let varied = |logic: &String| {
+            let logic = logic.split('/').next().unwrap_or(logic);
+            let known = LogicName::from_str(logic, false).ok()?.variations();
+            known
+                .iter()
+                .any(|it| it == name)
+                .then(|| format!("{logic}/{name}"))
+        };
+        let mut logics: Vec<String> = self.logics.iter().filter_map(varied).collect();
+        logics.dedup();
+        if logics.is_empty() {
+            let of = self.logics.join(", ");
+            let line = format!("--gains {name}: no config/logics/LOGIC/{name}.toml of {of}");
+            return Err(Refusal::new(line));
+        }
+        Ok(Self {
+            sweep_logic: varied(&self.sweep_logic).unwrap_or(self.sweep_logic),
+            logics,
+            ..self
+        })
+    }
+
     /// Every flight, in the order of airframes.
     #[must_use]
     pub fn units(&self) -> Vec<Unit> {
@@ -210,10 +243,10 @@ impl Plan {
 
     /// A cell's flight with loops tuned to equal margins.
     #[must_use]
-    pub fn tuned(&self, cell: &Sortie, of: Contender, seed: u32) -> Sortie {
+    pub fn tuned(&self, cell: &Sortie, role: Role, seed: u32) -> Sortie {
         Sortie {
             duration_s: self.duration_s,
-            role: Role::Tuned(of),
+            role,
             seed,
             ..cell.clone()
         }
@@ -222,12 +255,18 @@ impl Plan {
     /// The margins of a cell, and its flights with what they allow.
     fn tuning(&self, cell: [&String; 3]) -> Option<Unit> {
         let any = self.trial(cell, 1).0.into_iter().next()?;
-        let mut flights = Vec::new();
-        for of in Contender::ALL {
-            flights.extend(margins::margins(&any, of));
-            flights.extend((1..=self.tuned_seeds).map(|seed| self.tuned(&any, of, seed)));
-        }
-        (self.tuned_seeds > 0).then_some(Unit(flights))
+        let tempos: BTreeSet<_> = margins::tuned_roles()
+            .map(|(rule, of)| rule.tempo(of))
+            .collect();
+        let margins = tempos
+            .into_iter()
+            .flat_map(|tempo| margins::margins(&any, tempo));
+        let tuned = margins::tuned_roles().flat_map(|(rule, of)| {
+            let role = Role::Tuned(rule, of);
+            let any = &any;
+            (1..=self.tuned_seeds).map(move |seed| self.tuned(any, role, seed))
+        });
+        (self.tuned_seeds > 0).then(|| Unit(margins.chain(tuned).collect()))
     }
 
     /// Emulated flights of an airframe with a logic, for the processor's load.
@@ -340,6 +379,21 @@ mod tests {
             let error = Plan::named("smoke", Some(seeds)).unwrap_err().to_string();
             assert_eq!(error, format!("--seeds {seeds}: must be 1 to 10000"));
         }
+    }
+
+    #[test]
+    fn gains_of_a_name_are_flown_by_the_logics_that_have_them() {
+        let paper = Plan::named("paper", None).unwrap();
+        let varied = paper.with_gains("iris_plus").unwrap();
+        assert_eq!(varied.logics, ["arducopter/iris_plus"]);
+        let plan = Plan::named("smoke", None).unwrap();
+        let varied = plan.clone().with_gains("iris_plus").unwrap();
+        assert_eq!(varied.logics, ["arducopter/iris_plus"]);
+        assert_eq!(varied.sweep_logic, "arducopter/iris_plus");
+        let error = plan.with_gains("kite").unwrap_err().to_string();
+        let line =
+            "--gains kite: no config/logics/LOGIC/kite.toml of arducopter/iris_plus, cascade";
+        assert_eq!(error, line);
     }
 
     #[test]

@@ -6,27 +6,7 @@ use std::str::FromStr;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::closed_loop::Stress;
-
-/// Who takes part where reactive control is compared other than as configured over waypoints.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Contender {
-    /// Reactive control.
-    Reactive,
-    /// Time-triggered control at the usual rate.
-    Usual,
-    /// Time-triggered control as often as reactive control runs there.
-    EqualRuns,
-}
-
-/// What loops must bear: a gain or a delay that they are not made for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Strain {
-    /// The drone answers its motors twice as strongly: a gain margin of 6 dB.
-    Gain,
-    /// Motor commands apply 20 ms later: a delay margin.
-    Delay,
-}
+use super::rule::{Contender, Rule, Strain, Tempo};
 
 /// When control runs in a flight, and what it is there to be compared with.
 #[derive(
@@ -49,50 +29,13 @@ pub enum Role {
     /// Reactive control with another `T_failsafe`, in ms.
     Failsafe(u32),
     /// Whether loops so fast, in % of the configured bandwidth, bear a strain in hovering flight.
-    Margin(Contender, u32, Strain),
-    /// Control whose loops are as fast as their margins allow.
-    Tuned(Contender),
+    Margin(Tempo, u32, Strain),
+    /// Control whose loops are as fast as a rule allows.
+    Tuned(Rule, Contender),
     /// Hovering instead of going round waypoints.
     Hovering(Contender),
     /// Hovering with a disturbance observer in the cascade.
     Observing(Contender),
-}
-
-impl Contender {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Reactive, Self::Usual, Self::EqualRuns];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Reactive => "reactive",
-            Self::Usual => "usual",
-            Self::EqualRuns => "equal-runs",
-        }
-    }
-}
-
-impl Strain {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Gain, Self::Delay];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Gain => "gain",
-            Self::Delay => "delay",
-        }
-    }
-
-    /// The option of a flight that stands for it.
-    pub(super) fn stress(self) -> Stress {
-        let none = Stress::default();
-        match self {
-            Self::Gain => Stress { gain: 2.0, ..none },
-            Self::Delay => Stress {
-                delay_s: 0.02,
-                ..none
-            },
-        }
-    }
 }
 
 impl Role {
@@ -101,7 +44,7 @@ impl Role {
     pub fn decided_by(self) -> Option<Self> {
         match self {
             Self::EqualRuns => Some(Self::Reactive),
-            Self::Tuned(Contender::EqualRuns) => Some(Self::Tuned(Contender::Reactive)),
+            Self::Tuned(rule, Contender::EqualRuns) => Some(Self::Tuned(rule, Contender::Reactive)),
             Self::Hovering(Contender::EqualRuns) => Some(Self::Hovering(Contender::Reactive)),
             _ => None,
         }
@@ -113,9 +56,9 @@ impl Role {
         match self {
             Self::EqualRuns
             | Self::Hovering(Contender::EqualRuns)
-            | Self::Tuned(Contender::Reactive | Contender::Usual) => 1,
-            Self::Margin(Contender::EqualRuns, ..) => 2,
-            Self::Tuned(Contender::EqualRuns) => 3,
+            | Self::Tuned(_, Contender::Reactive | Contender::Usual) => 1,
+            Self::Margin(Tempo::EqualRuns(_), ..) => 2,
+            Self::Tuned(_, Contender::EqualRuns) => 3,
             _ => 0,
         }
     }
@@ -131,12 +74,10 @@ impl fmt::Display for Role {
             Self::EqualTime => f.write_str("equal-time"),
             Self::PRun(thousandths) => write!(f, "p-run-{}", f64::from(*thousandths) / 1000.0),
             Self::Failsafe(ms) => write!(f, "failsafe-{}", f64::from(*ms) / 1000.0),
-            Self::Tuned(of) => write!(f, "tuned-{}", of.name()),
+            Self::Tuned(rule, of) => write!(f, "tuned-{}-{rule}", of.name()),
             Self::Hovering(of) => write!(f, "hovering-{}", of.name()),
             Self::Observing(of) => write!(f, "observing-{}", of.name()),
-            Self::Margin(of, percent, strain) => {
-                write!(f, "margin-{}-{percent}-{}", of.name(), strain.name())
-            }
+            Self::Margin(tempo, percent, strain) => write!(f, "margin-{tempo}-{percent}-{strain}"),
         }
     }
 }
@@ -170,18 +111,17 @@ fn of_contender(text: &str) -> Option<Role> {
     let contender = |name: &str| Contender::ALL.into_iter().find(|it| it.name() == name);
     let (kind, rest) = text.split_once('-')?;
     match kind {
-        "tuned" => Some(Role::Tuned(contender(rest)?)),
+        "tuned" => Contender::ALL.into_iter().find_map(|of| {
+            let rule = rest.strip_prefix(of.name())?.strip_prefix('-')?;
+            Some(Role::Tuned(Rule::named(rule)?, of))
+        }),
         "hovering" => Some(Role::Hovering(contender(rest)?)),
         "observing" => Some(Role::Observing(contender(rest)?)),
         "margin" => {
             let (rest, strain) = rest.rsplit_once('-')?;
-            let (name, percent) = rest.rsplit_once('-')?;
-            let strain = Strain::ALL.into_iter().find(|it| it.name() == strain)?;
-            Some(Role::Margin(
-                contender(name)?,
-                percent.parse().ok()?,
-                strain,
-            ))
+            let (tempo, percent) = rest.rsplit_once('-')?;
+            let (tempo, strain) = (Tempo::named(tempo)?, Strain::named(strain)?);
+            Some(Role::Margin(tempo, percent.parse().ok()?, strain))
         }
         _ => None,
     }
@@ -215,15 +155,22 @@ mod tests {
             (1..2000u32).prop_map(Role::Periodic),
             (1..1000u32).prop_map(Role::PRun),
             (1..1000u32).prop_map(Role::Failsafe),
-            prop::sample::select(&Contender::ALL[..]).prop_map(Role::Tuned),
+            (
+                prop::sample::select(&Rule::ALL[..]),
+                prop::sample::select(&Contender::ALL[..])
+            )
+                .prop_map(|(rule, of)| Role::Tuned(rule, of)),
             prop::sample::select(&Contender::ALL[..]).prop_map(Role::Hovering),
             prop::sample::select(&Contender::ALL[..]).prop_map(Role::Observing),
             (
                 prop::sample::select(&Contender::ALL[..]),
+                prop::sample::select(&Rule::ALL[..]),
                 1..1000u32,
-                prop::sample::select(&Strain::ALL[..])
+                prop::sample::select(Strain::all())
             )
-                .prop_map(|(of, percent, strain)| Role::Margin(of, percent, strain)),
+                .prop_map(|(of, rule, percent, strain)| {
+                    Role::Margin(rule.tempo(of), percent, strain)
+                }),
         ]
     }
 
@@ -244,6 +191,8 @@ mod tests {
             "failsafe--1",
             "hovering-usually",
             "margin-reactive-100-wear",
+            "margin-runs-of-7ms-0.1rad_s-100-gain",
+            "tuned-reactive-10ms",
             "-",
         ] {
             let error = text.parse::<Role>().unwrap_err();

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use clap::ValueEnum;
 use reflex::config::{LIMITS, SETTINGS};
 use reflex::sensors::{Input, Inputs};
@@ -12,8 +12,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::role::Role;
+use crate::closed_loop::contention::Contention;
 use crate::closed_loop::{FlyOptions, Mission, Stress};
-use crate::logics::{AnyGains, LogicName};
+use crate::logics::{GainSet, LogicName};
 pub use crate::scoring::Tier;
 
 /// The scored part begins here in every role, s from take-off.
@@ -59,7 +60,7 @@ pub struct Sortie {
     pub tier: Tier,
     /// Name of the airframe.
     pub airframe: String,
-    /// Name of the control logic.
+    /// Name of the control logic, and behind a slash of its gains where they are not its own.
     pub logic: String,
     /// Name of the environment.
     pub environment: String,
@@ -103,6 +104,24 @@ impl Sortie {
             role,
             ..self.clone()
         }
+    }
+
+    /// The control logic that flies, and the name of its gains.
+    ///
+    /// # Errors
+    /// A logic of an unknown name.
+    pub fn flies_with(&self) -> Result<(LogicName, Option<&str>)> {
+        let name = match self.role {
+            Role::Observing(_) => OBSERVER,
+            _ => &self.logic,
+        };
+        let (logic, gains) = match name.split_once('/') {
+            Some((logic, gains)) => (logic, Some(gains)),
+            None => (name, None),
+        };
+        let logic = LogicName::from_str(logic, false);
+        let logic = logic.map_err(|_| anyhow!("{name}: is no control logic"))?;
+        Ok((logic, gains))
     }
 
     /// The cell that it belongs to.
@@ -149,16 +168,11 @@ impl Job {
             Role::Failsafe(ms) => settings.failsafe = micros(u64::from(ms) * 1000),
             _ => {}
         }
-        let logic = match sortie.role {
-            Role::Observing(_) => OBSERVER,
-            _ => &sortie.logic,
-        };
-        let logic = LogicName::from_str(logic, false).ok();
-        let logic = logic.with_context(|| format!("{}: is no control logic", sortie.logic))?;
-        let bandwidth = f64::from(self.bandwidth) / 100.0;
+        let (logic, gains) = sortie.flies_with()?;
+        let gains = GainSet::load(logic, gains, f64::from(self.bandwidth) / 100.0);
         settings
             .check(&LIMITS)
-            .map_err(|error| anyhow::anyhow!("{sortie}: {error}"))?;
+            .map_err(|error| anyhow!("{sortie}: {error}"))?;
         let (mission, scored_from_s, stress) = match sortie.role {
             Role::Margin(_, _, strain) => (Mission::Hover, HOVERS_FROM_S, strain.stress()),
             Role::Hovering(_) | Role::Observing(_) => {
@@ -167,13 +181,13 @@ impl Job {
             _ => (Mission::Waypoints, SCORED_FROM_S, Stress::default()),
         };
         Ok(FlyOptions {
-            gains: AnyGains::quickened(logic, bandwidth).with_context(|| sortie.to_string())?,
-            bandwidth,
+            gains: gains.with_context(|| sortie.to_string())?,
             settings,
             mission,
             duration_s: f64::from(sortie.duration_s),
             scored_from_s: Some(f64::from(scored_from_s)),
             stress,
+            contention: Contention::default(),
         })
     }
 }

@@ -1,6 +1,6 @@
 //! Campaigns end to end: natively, in this process, in a temporary folder.
 
-mod made_up;
+pub(super) mod made_up;
 
 use std::fs;
 use std::io::Write;

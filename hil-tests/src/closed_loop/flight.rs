@@ -6,6 +6,7 @@ use anyhow::Result;
 use reflex::graph::ControlLogic;
 use reflex::reactive::Phase;
 
+use super::contention::Processor;
 use super::desired::Desired;
 use super::emulated::EmulatedTier;
 use super::measures::Measures;
@@ -32,6 +33,7 @@ pub(super) struct Flight<'o> {
     pub(super) tier: Box<dyn Tier>,
     course: Course,
     station: Station,
+    processor: Processor,
     pub(super) measures: Measures,
     pub(super) track: Vec<Moment>,
     pub(super) scored: Option<Scored>,
@@ -61,7 +63,7 @@ impl<'o> Flight<'o> {
         let start = Start {
             settings: options.settings,
             airframe: scene.airframe.geometry(),
-            gains: options.gains,
+            gains: options.gains.values(),
         };
         let chips = ChipOptions {
             seed,
@@ -78,7 +80,8 @@ impl<'o> Flight<'o> {
             world,
             tier,
             course: Course::new(options.mission, scene.environment.area_m, seed),
-            station: Station::new(flies_to_goals, &scene.environment.position, seed),
+            station: Station::new(flies_to_goals, &scene.tracking, seed),
+            processor: Processor::new(options.contention, seed),
             measures: Measures::default(),
             track: Vec::new(),
             scored: None,
@@ -108,7 +111,7 @@ impl<'o> Flight<'o> {
         self.tier.take(&mut self.applied, &mut self.runs);
         let delay_ns = (self.options.stress.delay_s * 1e9) as u64;
         for mut applied in self.applied.drain(..) {
-            applied.at_ns += delay_ns;
+            applied.at_ns = self.processor.applies_ns(applied.at_ns) + delay_ns;
             self.world.command(applied);
         }
         for (at_ns, ran) in self.runs.drain(..) {

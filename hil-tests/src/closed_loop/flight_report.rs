@@ -59,9 +59,11 @@ impl Flight<'_> {
         let rate_hz = (policy == Policy::Periodic).then(|| 1e6 / period.ticks() as f64);
         let report = FlightReport {
             environment: scene.environment_name.clone(),
+            position: scene.position_name.clone(),
             airframe: scene.airframe_name.clone(),
-            bandwidth: options.bandwidth,
-            logic: options.gains.name().word().to_owned(),
+            logic: options.gains.logic().word().to_owned(),
+            gains: options.gains.name().map(str::to_owned),
+            bandwidth: options.gains.bandwidth(),
             mission: options.mission.name().to_owned(),
             tier: tier.to_owned(),
             policy: policy.word().to_owned(),

@@ -11,12 +11,16 @@ use crate::scoring::{ByReason, or_dash};
 pub struct FlightReport {
     /// Name of the environment.
     pub environment: String,
+    /// How the drone's place is known: a name.
+    pub position: String,
     /// Name of the airframe.
     pub airframe: String,
-    /// How many times as fast as configured attitude and rate loops are.
-    pub bandwidth: f64,
     /// Name of the control logic.
     pub logic: String,
+    /// Its gains where they are not its own: a name or a file; null else.
+    pub gains: Option<String>,
+    /// How many times as fast as configured attitude and rate loops are.
+    pub bandwidth: f64,
     /// `hover` or `waypoints`.
     pub mission: String,
     /// `emulated` or `native`.
@@ -152,9 +156,11 @@ pub fn summary(report: &FlightReport) -> String {
         .collect();
     let busy = report.cpu.map(|cpu| 100.0 * cpu.busy_fraction);
     let minutes = report.flight_time_s.map(|time| time / 60.0);
+    let gains = report.gains.as_ref();
+    let gains = gains.map_or(String::new(), |name| format!(" and gains {name}"));
     let mut lines = vec![
         format!(
-            "{} in {} with {}, {}: {}, {} tier at {} MHz, seed {}",
+            "{} in {} with {}{gains}, {}: {}, {} tier at {} MHz, seed {}",
             report.airframe,
             report.environment,
             report.logic,
@@ -204,9 +210,11 @@ mod tests {
     fn crashed() -> FlightReport {
         FlightReport {
             environment: "arch".into(),
+            position: "companion".into(),
             airframe: "quad_x".into(),
-            bandwidth: 1.0,
             logic: "cascade".into(),
+            gains: None,
+            bandwidth: 1.0,
             mission: "hover".into(),
             tier: "native".into(),
             policy: "periodic".into(),

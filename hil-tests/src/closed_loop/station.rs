@@ -4,7 +4,7 @@
 //! |---|---|
 //! | HEARTBEAT | every second from the start |
 //! | COMMAND_LONG, arm | 0.2, 0.15, 0.1 and 0.05 s before take-off |
-//! | ODOMETRY | at the environment's rate, from 0.5 s before take-off; without an attitude |
+//! | ODOMETRY | at its rate in `config/positions/`, from 0.5 s before take-off; without an attitude |
 //! | SET_POSITION_TARGET_LOCAL_NED | behind each ODOMETRY, from take-off on |
 //! | SET_ATTITUDE_TARGET | in its stead, for control logics that do not fly to places |
 
@@ -13,12 +13,11 @@ use mavlink::dialects::common::{
     SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use rand_distr::{Distribution, StandardNormal};
-use random_streams::{Generator, generator};
 use reflex_config::plant::Tracking;
 
 use super::mission::Target;
 use super::outer_loop::{Demand, OuterLoop};
+use super::tracker::{Seen, Tracker};
 use crate::ground_station::{
     ARM_LEADS_NS, DRONE, HEARTBEAT_PERIOD_NS, LinkFrame, MILLISECOND_NS, arm, frame, heartbeat,
     odometry,
@@ -29,17 +28,12 @@ use recorded_flights::Sighting;
 pub(super) const TAKE_OFF_NS: u64 = 1_500_000_000;
 
 const FIRST_PLACE_NS: u64 = TAKE_OFF_NS - 500 * MILLISECOND_NS;
-/// Keeps this noise apart from that of the sensors and of the wind of the same seed.
-const STREAM: u64 = 0x5354_4154;
 
 /// A ground station that watches one flight.
 pub(super) struct Station {
-    tracking: Tracking,
+    tracker: Tracker,
     /// For control logics that fly attitudes.
     outer: Option<OuterLoop>,
-    noise: Generator,
-    /// Reports sent so far.
-    reports: u64,
     heartbeats: u64,
     arms: usize,
     sequence: u8,
@@ -49,10 +43,8 @@ impl Station {
     /// One whose drone flies to goals by itself, or takes attitudes.
     pub(super) fn new(flies_to_goals: bool, tracking: &Tracking, seed: u64) -> Self {
         Self {
-            tracking: tracking.clone(),
+            tracker: Tracker::new(tracking, FIRST_PLACE_NS, seed),
             outer: (!flies_to_goals).then(OuterLoop::default),
-            noise: generator(seed, STREAM),
-            reports: 0,
             heartbeats: 0,
             arms: 0,
             sequence: 0,
@@ -79,22 +71,18 @@ impl Station {
             messages.push(arm(self.arms as u8));
             self.arms += 1;
         }
-        let period_ns = 1e9 / self.tracking.rate_hz;
-        if at_ns >= FIRST_PLACE_NS + (self.reports as f64 * period_ns) as u64 {
-            self.reports += 1;
-            let position = self.blurred(position, self.tracking.noise_m);
-            let velocity = self.blurred(velocity, self.tracking.noise_m_s);
+        if let Some(seen) = self.tracker.look(at_ns, (*position, *velocity)) {
             messages.push(odometry(
                 at_ns,
                 MavFrame::MAV_FRAME_LOCAL_NED,
                 &Sighting {
-                    position: position.into(),
-                    velocity: velocity.into(),
+                    position: seen.0.into(),
+                    velocity: seen.1.into(),
                     ..Sighting::default()
                 },
             ));
             if at_ns >= TAKE_OFF_NS {
-                messages.push(self.demand(at_ns, (&position, &velocity), target));
+                messages.push(self.demand(at_ns, &seen, target));
             }
         }
         messages
@@ -103,23 +91,11 @@ impl Station {
             .collect()
     }
 
-    fn blurred(&mut self, exact: &Vector3<f64>, deviation: f64) -> Vector3<f64> {
-        exact.map(|axis| {
-            let noise: f64 = StandardNormal.sample(&mut self.noise);
-            axis + deviation * noise
-        })
-    }
-
-    fn demand(
-        &mut self,
-        at_ns: u64,
-        seen: (&Vector3<f64>, &Vector3<f64>),
-        target: &Target,
-    ) -> MavMessage {
+    fn demand(&mut self, at_ns: u64, seen: &Seen, target: &Target) -> MavMessage {
         match &mut self.outer {
             None => goal(at_ns, target),
             Some(outer) => {
-                let demand = outer.steer(target, seen, 1.0 / self.tracking.rate_hz);
+                let demand = outer.steer(target, (&seen.0, &seen.1), self.tracker.period_s());
                 attitude(at_ns, &demand)
             }
         }
@@ -181,8 +157,11 @@ mod tests {
 
     const TRACKING: Tracking = Tracking {
         rate_hz: 20.0,
+        delay_s: 0.0,
         noise_m: 0.0,
         noise_m_s: 0.0,
+        drift_m: 0.0,
+        drift_s: 60.0,
     };
 
     /// The messages to a drone at rest in its first seconds, with the instants in ms.

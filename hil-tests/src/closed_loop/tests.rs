@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::firmware::Firmware;
-use crate::logics::LogicName;
+use crate::logics::{GainSet, LogicName};
 use crate::progress::Silent;
 use clap::ValueEnum;
 use reflex::settings::Policy;
@@ -10,15 +10,14 @@ use reflex::time::{Duration, micros};
 
 /// A short flight of a logic, natively.
 fn flown(environment: &str, options: &FlyOptions) -> FlightReport {
-    let scene = Scene::load(environment, reflex::config::AIRFRAME).unwrap();
+    let scene = Scene::load(environment, reflex::config::AIRFRAME, None).unwrap();
     let flown = fly(&scene, options, Flyer::Native, &mut Silent).unwrap();
     flown.report
 }
 
 fn options(logic: LogicName, policy: Policy, seed: u32) -> FlyOptions {
     FlyOptions {
-        gains: logic.gains(),
-        bandwidth: 1.0,
+        gains: logic.into(),
         settings: Settings {
             policy,
             // Of periodic control, where it is chosen.
@@ -30,6 +29,7 @@ fn options(logic: LogicName, policy: Policy, seed: u32) -> FlyOptions {
         duration_s: 30.0,
         scored_from_s: None,
         stress: Stress::default(),
+        contention: Contention::default(),
     }
 }
 
@@ -83,7 +83,7 @@ fn the_same_seed_flies_the_same_flight_and_another_seed_another() {
 /// A crash is no number: where the scored part would be, there is nothing.
 #[test]
 fn a_drone_that_cannot_lift_itself_crashes_or_stays_but_scores_no_lie() {
-    let mut scene = Scene::load("arch", reflex::config::AIRFRAME).unwrap();
+    let mut scene = Scene::load("arch", reflex::config::AIRFRAME, None).unwrap();
     // Half of the thrust that it takes to turn against the wind, and none to spare.
     scene.vehicle.rotors.full_thrust_n = 3.4;
     let mut options = options(LogicName::Cascade, Policy::Reactive, 2);
@@ -106,10 +106,10 @@ fn a_drone_that_cannot_lift_itself_crashes_or_stays_but_scores_no_lie() {
 /// The firmware checks itself against the host on the way; see `emulated`.
 #[test]
 fn the_firmware_flies_in_closed_loop_and_comes_to_the_hosts_commands_bit_by_bit() {
-    let scene = Scene::load("arch", reflex::config::AIRFRAME).unwrap();
+    let scene = Scene::load("arch", reflex::config::AIRFRAME, None).unwrap();
     let mut options = options(LogicName::configured(), Policy::Reactive, 4);
     options.duration_s = 14.0;
-    let firmware = Firmware::build(options.gains.name(), &mut Silent).unwrap();
+    let firmware = Firmware::build(options.gains.logic(), &mut Silent).unwrap();
     let fly = || {
         let flyer = Flyer::Emulated(Core::of(&firmware));
         fly(&scene, &options, flyer, &mut Silent).unwrap().report
@@ -134,11 +134,11 @@ fn the_firmware_flies_in_closed_loop_and_comes_to_the_hosts_commands_bit_by_bit(
 /// Airframe and gains reach it in the settings block; it checks itself against the host.
 #[test]
 fn the_same_firmware_flies_another_airframe_with_faster_loops() {
-    let scene = Scene::load("lab", "hexa_x").unwrap();
+    let scene = Scene::load("lab", "hexa_x", None).unwrap();
     let mut options = options(LogicName::configured(), Policy::Reactive, 6);
-    options.gains = AnyGains::quickened(LogicName::configured(), 1.4).unwrap();
+    options.gains = GainSet::load(LogicName::configured(), None, 1.4).unwrap();
     options.duration_s = 11.0;
-    let firmware = Firmware::build(options.gains.name(), &mut Silent).unwrap();
+    let firmware = Firmware::build(options.gains.logic(), &mut Silent).unwrap();
     let flown = fly(
         &scene,
         &options,

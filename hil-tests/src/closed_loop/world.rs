@@ -139,6 +139,7 @@ fn vehicle_of(vehicle: &Vehicle, airframe: &Airframe) -> dynamics::Vehicle {
             lag_down: rotors.lag_s[1],
             rotor_inertia: rotors.inertia_kg_m2,
             rotor_radius: rotors.radius_m,
+            motor_constant: rotors.motor_constant(),
             figure_of_merit: rotors.figure_of_merit,
             electronics: battery.electronics_w,
         },

@@ -35,6 +35,9 @@ pub(super) struct CampaignArguments {
     /// As many seeds as make so many simulated hours, at least
     #[arg(long, value_name = "HOURS", value_parser = number, allow_negative_numbers = true, conflicts_with = "seeds")]
     hours: Option<f64>,
+    /// Fly the control logics that have gains of this name in config/logics/LOGIC/, with these
+    #[arg(long, value_name = "NAME")]
+    gains: Option<String>,
     /// Folder of journals, tables and report [default: target/hil/campaign/NAME]
     #[arg(long, value_name = "FOLDER")]
     out: Option<PathBuf>,
@@ -54,6 +57,10 @@ pub(super) fn run(arguments: &CampaignArguments) -> Result<()> {
     let plan = match arguments.hours {
         Some(hours) => Plan::for_hours(&arguments.name, hours)?,
         None => Plan::named(&arguments.name, arguments.seeds)?,
+    };
+    let plan = match &arguments.gains {
+        Some(name) => plan.with_gains(name)?,
+        None => plan,
     };
     let plan = if arguments.native {
         plan.native()

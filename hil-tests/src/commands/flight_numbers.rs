@@ -37,6 +37,25 @@ pub(super) const PLANT_DELAY: &Setting = &number(
     "Stress: how much later motor commands apply",
 );
 
+pub(super) const JITTER: &Setting = &number(
+    ["jitter", "SECONDS"],
+    (Kind::Number(within(0.0, 0.1)), "s"),
+    "0",
+    "Contention: most that each run's command waits for the processor",
+);
+pub(super) const LATE_SHARE: &Setting = &number(
+    ["late-share", "SHARE"],
+    (Kind::Number(within(0.0, 1.0)), ""),
+    "0",
+    "Contention: share of runs whose command waits longer",
+);
+pub(super) const LATE: &Setting = &number(
+    ["late", "SECONDS"],
+    (Kind::Number(within(0.0, 0.2)), "s"),
+    "0.02",
+    "Contention: most that these wait",
+);
+
 /// A number with its option, unit, default and meaning.
 const fn number(
     [option, value]: [&'static str; 2],
@@ -56,7 +75,16 @@ const fn number(
 pub(super) struct Numbers;
 
 impl Declarations for Numbers {
-    const ALL: &'static [Setting] = &[*BANDWIDTH, *DURATION, *CLOCK, *PLANT_GAIN, *PLANT_DELAY];
+    const ALL: &'static [Setting] = &[
+        *BANDWIDTH,
+        *DURATION,
+        *CLOCK,
+        *PLANT_GAIN,
+        *PLANT_DELAY,
+        *JITTER,
+        *LATE_SHARE,
+        *LATE,
+    ];
 
     fn remark(setting: &Setting) -> String {
         format!(" [default: {}]", setting.default)

@@ -73,7 +73,7 @@ impl FlyArguments {
     ) -> Result<closed_loop::Flown> {
         let firmware = match self.native {
             true => None,
-            false => Some(Firmware::build(options.gains.name(), bar)?),
+            false => Some(Firmware::build(options.gains.logic(), bar)?),
         };
         let flyer = match &firmware {
             None => Flyer::Native,
@@ -103,6 +103,7 @@ mod tests {
     /// arguments | what is said
     const SENSELESS: &str = "
 --mission joyride | [possible values: hover, waypoints]
+--gains kite --logic arducopter | --gains kite: logics/arducopter/kite.toml does not exist, must be one of: iris_plus
 --logic px4 | [possible values: cascade, arducopter, cleanflight, openpilot, observer]
 --duration 0 | --duration: 0 is out of range, must be above 0 and at most 86400 s
 --duration nan | must be a finite number
@@ -114,9 +115,11 @@ mod tests {
 --plot src | --plot src: is a folder
 --plot nowhere/a.svg | --plot nowhere/a.svg: its folder does not exist
 --plant-delay 1 | --plant-delay: 1 is out of range, must be 0 to 0.2 s
+--late-share 2 | --late-share: 2 is out of range, must be 0 to 1
+--scheduler fair | [possible values: preemptive, cooperative]
 --bandwidth 0.1 | --bandwidth: 0.1 is out of range, must be 0.25 to 5
 --bandwidth fast | must be a finite number, 0.25 to 5
---logic arducopter --bandwidth 4 | --bandwidth 4: brings arducopter's angle.p to 18, must be above 0 and at most 12
+--gains iris_plus --logic cascade | --gains iris_plus: logics/cascade/ holds no gains, name a file
 --rate 100 | --rate: reactive control has none
 --policy periodic --rate 2000 | must be 1 to 1000 Hz
 --seed -1 | must be a whole number, 0 to 4294967295
@@ -159,11 +162,17 @@ mod tests {
 
     #[test]
     fn unknown_places_and_drones_are_named_with_those_that_are_known() {
-        let told = Scene::load("moon", AIRFRAME).unwrap_err().to_string();
+        let told = Scene::load("moon", AIRFRAME, None).unwrap_err().to_string();
         assert!(told.ends_with("must be one of: arch, lab, rugby"), "{told}");
-        let told = Scene::load("arch", "kite").unwrap_err().to_string();
+        let told = Scene::load("arch", "kite", None).unwrap_err().to_string();
         assert!(
             told.ends_with("must be one of: hexa_x, quad_x, y6"),
+            "{told}"
+        );
+        let told = Scene::load("arch", AIRFRAME, Some("stars")).unwrap_err();
+        assert!(
+            told.to_string()
+                .ends_with("must be one of: companion, motion_capture, satellites"),
             "{told}"
         );
     }

@@ -77,7 +77,7 @@ impl Flown {
             Self::Replay(replay) => profile::replay(&replay.flight.options()?, bar),
             Self::Fly(fly) => {
                 let (options, scene) = (fly.flight.options()?, fly.flight.scene()?);
-                let firmware = Firmware::build(options.gains.name(), bar)?;
+                let firmware = Firmware::build(options.gains.logic(), bar)?;
                 bar.stage(&format!("Flying in {}", fly.flight.environment));
                 let core = (&firmware, fly.flight.clock_mhz()?);
                 profile::fly(&scene, &options, core, bar)

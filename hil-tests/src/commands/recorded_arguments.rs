@@ -6,24 +6,23 @@ use clap::{Args, ValueEnum};
 use reflex::config;
 use reflex::settings::{Policy, Settings, WarmUp};
 
+use super::logic_arguments::LogicArguments;
 use super::quantities::number;
 use super::settings_arguments::SettingsArguments;
-use crate::logics::LogicName;
 use crate::refusal::Refusal;
 use crate::replay::options::ReplayOptions;
 use recorded_flights::Rotate;
 
 /// What is replayed. Defaults are those of `config/`; no option needs a rebuild.
-#[derive(Clone, Debug, Default, Args)]
+#[derive(Clone, Debug, Args)]
 pub(super) struct RecordedArguments {
     /// Recorded flight, ULog or CSV, or a folder of them with --sweep [default: the one that comes with the crate ulog-rs]
     #[arg(value_name = "LOG")]
     logs: Vec<PathBuf>,
     #[command(flatten)]
     pub(super) settings: SettingsArguments,
-    /// Control logic that flies: the firmware is built with it [default: that of config/selection.toml]
-    #[arg(long, value_enum)]
-    logic: Option<LogicName>,
+    #[command(flatten)]
+    logic: LogicArguments,
     /// Most of the flight to replay, in s
     #[arg(long, value_name = "SECONDS", value_parser = number, allow_negative_numbers = true)]
     duration: Option<f64>,
@@ -35,10 +34,9 @@ pub(super) struct RecordedArguments {
     noise: NoiseName,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum NoiseName {
     None,
-    #[default]
     Datasheet,
 }
 
@@ -70,7 +68,7 @@ impl RecordedArguments {
         Ok(ReplayOptions {
             log: log.map(Path::to_owned),
             settings,
-            logic: self.logic.unwrap_or_else(LogicName::configured),
+            gains: self.logic.gains(1.0)?,
             duration_s: self.duration,
             rotate: self.rotate,
             noise: self.noise == NoiseName::Datasheet,

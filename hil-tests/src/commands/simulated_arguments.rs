@@ -4,11 +4,14 @@ use anyhow::Result;
 use clap::Args;
 use reflex::config::AIRFRAME;
 
-use super::flight_numbers::{BANDWIDTH, CLOCK, DURATION, FlightNumbers, PLANT_DELAY, PLANT_GAIN};
+use super::flight_numbers::{
+    BANDWIDTH, CLOCK, DURATION, FlightNumbers, JITTER, LATE, LATE_SHARE, PLANT_DELAY, PLANT_GAIN,
+};
+use super::logic_arguments::LogicArguments;
 use super::quantities::number;
 use super::settings_arguments::SettingsArguments;
+use crate::closed_loop::contention::{Contention, Scheduler};
 use crate::closed_loop::{FlyOptions, Mission, Scene, Stress};
-use crate::logics::{AnyGains, LogicName};
 use crate::refusal::Refusal;
 
 /// What a flight is told. Defaults are those of `config/`.
@@ -17,12 +20,14 @@ pub(super) struct SimulatedArguments {
     /// Where to fly: a file of config/environments/
     #[arg(long, value_name = "NAME", default_value = "rugby")]
     pub(super) environment: String,
+    /// How the drone's place is known: a file of config/positions/ [default: the environment's]
+    #[arg(long, value_name = "NAME")]
+    position: Option<String>,
     /// What to fly: a file of config/airframes/ with one in config/vehicles/
     #[arg(long, value_name = "NAME", default_value = AIRFRAME)]
     airframe: String,
-    /// Control logic that flies: the firmware is built with it [default: that of config/selection.toml]
-    #[arg(long, value_enum)]
-    logic: Option<LogicName>,
+    #[command(flatten)]
+    logic: LogicArguments,
     /// What the drone is to do
     #[arg(long, value_enum, default_value = "waypoints")]
     mission: Mission,
@@ -30,6 +35,9 @@ pub(super) struct SimulatedArguments {
     settings: SettingsArguments,
     #[command(flatten)]
     pub(super) numbers: FlightNumbers,
+    /// Whether other tasks give way to control at once, or as ArduPilot's: once they have ended
+    #[arg(long, value_enum, default_value = "preemptive")]
+    scheduler: Scheduler,
     /// Where the scored part begins, in s from take-off [default: 10 or the end of the warm-up, whichever is later]
     #[arg(long, value_name = "SECONDS", value_parser = number, allow_negative_numbers = true)]
     scored_from: Option<f64>,
@@ -54,11 +62,8 @@ impl SimulatedArguments {
             return Err(Refusal::new(line).into());
         }
         self.clock_mhz()?;
-        let bandwidth = numbers.get(BANDWIDTH)?;
-        let logic = self.logic.unwrap_or_else(LogicName::configured);
         Ok(FlyOptions {
-            gains: AnyGains::quickened(logic, bandwidth)?,
-            bandwidth,
+            gains: self.logic.gains(numbers.get(BANDWIDTH)?)?,
             settings,
             mission: self.mission,
             duration_s,
@@ -66,6 +71,12 @@ impl SimulatedArguments {
             stress: Stress {
                 gain: numbers.get(PLANT_GAIN)?,
                 delay_s: numbers.get(PLANT_DELAY)?,
+            },
+            contention: Contention {
+                jitter_s: numbers.get(JITTER)?,
+                late_share: numbers.get(LATE_SHARE)?,
+                late_s: numbers.get(LATE)?,
+                scheduler: self.scheduler,
             },
         })
     }
@@ -83,6 +94,6 @@ impl SimulatedArguments {
     /// # Errors
     /// As those of [`Scene::load`].
     pub(super) fn scene(&self) -> Result<Scene> {
-        Scene::load(&self.environment, &self.airframe)
+        Scene::load(&self.environment, &self.airframe, self.position.as_deref())
     }
 }

@@ -8,9 +8,10 @@ use reflex::time::micros;
 use super::CORE_HZ;
 use super::budget::Budget;
 use super::table::Cost;
+use crate::closed_loop::contention::Contention;
 use crate::closed_loop::{FlyOptions, Mission, Scene, Stress};
 use crate::firmware::Firmware;
-use crate::logics::{AnyGains, LogicName};
+use crate::logics::LogicName;
 use crate::profile;
 use crate::progress::Progress;
 
@@ -22,17 +23,17 @@ const WARM_UP_US: u64 = 3_000_000;
 /// The mean of each part, and of all, rounded up.
 pub(super) fn measure(firmware: &Firmware, progress: &mut dyn Progress) -> Result<Vec<Cost>> {
     progress.stage("Counting a hover");
-    let scene = Scene::load("arch", AIRFRAME)?;
+    let scene = Scene::load("arch", AIRFRAME, None)?;
     let mut settings = SETTINGS;
     settings.warm_up = WarmUp::Fixed(micros(WARM_UP_US));
     let options = FlyOptions {
-        gains: AnyGains::quickened(LogicName::configured(), 1.0)?,
-        bandwidth: 1.0,
+        gains: LogicName::configured().into(),
         settings,
         mission: Mission::Hover,
         duration_s: LENGTH_S,
         scored_from_s: Some(FROM_S),
         stress: Stress::default(),
+        contention: Contention::default(),
     };
     let mhz = (CORE_HZ / 1_000_000) as u32;
     let profile = profile::fly(&scene, &options, (firmware, mhz), progress)?.profile;

@@ -229,7 +229,7 @@ impl LogicProgram {
         progress: &mut dyn Progress,
     ) -> Result<Vec<FlightCost>> {
         let options = ReplayOptions {
-            logic: name,
+            gains: name.into(),
             ..ReplayOptions::default()
         };
         let costs = flights.iter().map(|flight| {

@@ -42,7 +42,7 @@ fn for_every_flight(check: impl Fn(LogicName, &str, Vec<Step>) + Sync) {
     flights().par_iter().for_each(|flight| {
         for name in LogicName::value_variants() {
             let options = ReplayOptions {
-                logic: *name,
+                gains: (*name).into(),
                 ..ReplayOptions::default()
             };
             let calls = fly(flight, &options).unwrap_or_else(|error| panic!("{error:#}"));

@@ -1,8 +1,9 @@
 //! A profile changes nothing, and everything that was executed is in it.
 
 use super::*;
+use crate::closed_loop::contention::Contention;
 use crate::closed_loop::{Mission, Stress};
-use crate::logics::{AnyGains, LogicName};
+use crate::logics::LogicName;
 use crate::progress::Silent;
 use crate::record::HANDLERS;
 use reflex::config::{AIRFRAME, SETTINGS};
@@ -28,17 +29,17 @@ fn adds_up(profile: &Profile, busy_fraction: f64) {
 
 #[test]
 fn a_profiled_flight_is_the_same_flight_and_adds_up() {
-    let scene = Scene::load("arch", AIRFRAME).unwrap();
+    let scene = Scene::load("arch", AIRFRAME, None).unwrap();
     let options = FlyOptions {
-        gains: AnyGains::quickened(LogicName::configured(), 1.0).unwrap(),
-        bandwidth: 1.0,
+        gains: LogicName::configured().into(),
         settings: SETTINGS,
         mission: Mission::Hover,
         duration_s: 3.0,
         scored_from_s: Some(1.0),
         stress: Stress::default(),
+        contention: Contention::default(),
     };
-    let firmware = Firmware::build(options.gains.name(), &mut Silent).unwrap();
+    let firmware = Firmware::build(options.gains.logic(), &mut Silent).unwrap();
     let flyer = Flyer::Emulated(Core::of(&firmware));
     let plain = closed_loop::fly(&scene, &options, flyer, &mut Silent).unwrap();
     let Profiled { profile, stacks } =

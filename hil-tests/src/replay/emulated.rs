@@ -70,7 +70,7 @@ fn whole(options: &ReplayOptions, counts: bool, progress: &mut dyn Progress) -> 
         .as_deref()
         .map(DecodedLog::create)
         .transpose()?;
-    let firmware = Firmware::build(options.logic, progress)?;
+    let firmware = Firmware::build(options.gains.logic(), progress)?;
     let watches = WAY.map(Watched::from).to_vec();
     let mut session = Session::new(&flight, options, &firmware, watches)?;
     let mut observation = Observation::new(log);

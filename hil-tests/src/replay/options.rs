@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use reflex::settings::Settings;
 
-use crate::logics::{LogicName, Start};
+use crate::logics::{GainSet, LogicName, Start};
 use recorded_flights::Rotate;
 
 /// The options of one replay, checked; made by the command line or by a test.
@@ -14,8 +14,8 @@ pub struct ReplayOptions {
     pub log: Option<PathBuf>,
     /// What the firmware is told; its seed also seeds noise and oscillators.
     pub settings: Settings,
-    /// The control logic.
-    pub logic: LogicName,
+    /// The gains of the control logic, which say its name.
+    pub gains: GainSet,
     /// Most of the flight that is replayed, in s; none for all of it.
     pub duration_s: Option<f64>,
     /// How the log's axes lie in the body's.
@@ -30,7 +30,7 @@ impl ReplayOptions {
     /// What the firmware is given at its start.
     #[must_use]
     pub fn start(&self) -> Start {
-        Start::configured(self.settings, self.logic)
+        Start::configured(self.settings, self.gains.values())
     }
 }
 
@@ -39,7 +39,7 @@ impl Default for ReplayOptions {
         Self {
             log: None,
             settings: reflex::config::SETTINGS,
-            logic: LogicName::configured(),
+            gains: LogicName::configured().into(),
             duration_s: None,
             rotate: Rotate::Auto,
             noise: true,

@@ -205,7 +205,8 @@ fn counter_of(fault: Fault) -> String {
 /// The options of a replay as the report spells them; `rotate` says how the log was turned.
 pub(crate) fn options_in_effect(options: &ReplayOptions, rotate: String) -> Options {
     Options {
-        logic: options.logic.word().into(),
+        logic: options.gains.logic().word().into(),
+        gains: options.gains.name().map(str::to_owned),
         settings: options.settings,
         rotate,
         noise: if options.noise { "datasheet" } else { "none" }.into(),

@@ -113,6 +113,8 @@ pub enum Tier {
 pub struct Options {
     /// Name of the control logic.
     pub logic: String,
+    /// Its gains where they are not its own: a name or a file; null else.
+    pub gains: Option<String>,
     /// The autopilot's settings.
     #[serde(flatten, serialize_with = "named")]
     #[schemars(schema_with = "described")]

@@ -22,9 +22,9 @@ gains! {
 
     /// The angle loop.
     angle: Angle {
-        p: axes = [4.5, 4.5, 4.5], above(0.0, 12.0), "1/s",
+        p: axes = [4.5, 4.5, 4.5], above(0.0, 60.0), "1/s",
             "Body rate asked for per radian of a small error", grows 1;
-        acceleration_rad_s2: axes = [9.6, 9.6, 2.09], above(0.0, 40.0), "rad/s2",
+        acceleration_rad_s2: axes = [9.6, 9.6, 2.09], above(0.0, 250.0), "rad/s2",
             "Deceleration by which a larger error may be approached", grows 2;
         yaw_error_limit_rad: number = 0.785, above(0.0, 3.0), "rad",
             "Most of a yaw error that is corrected at once";
@@ -34,7 +34,7 @@ gains! {
     rate: Rate {
         p: axes = [0.0675, 0.0675, 0.09], within(0.0, 1.0), "share of full authority per rad/s",
             "Torque asked for per error of the rate", grows 1;
-        i: axes = [0.0675, 0.0675, 0.009], within(0.0, 2.0), "share of full authority per rad",
+        i: axes = [0.0675, 0.0675, 0.009], within(0.0, 5.0), "share of full authority per rad",
             "Torque asked for per integrated error of the rate", grows 2;
         d: axes = [0.0018, 0.0018, 0.0], within(0.0, 0.05), "share of full authority per rad/s2",
             "Torque asked for per derivative of the rate's error", grows 1;

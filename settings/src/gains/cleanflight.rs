@@ -35,7 +35,7 @@ gains! {
     rate: Rate {
         p: axes = [0.0859, 0.0859, 0.143], within(0.0, 2.0), "share of full authority per rad/s",
             "Torque asked for per error of the rate", grows 1;
-        i: axes = [0.229, 0.229, 0.573], within(0.0, 5.0), "share of full authority per rad",
+        i: axes = [0.229, 0.229, 0.573], within(0.0, 15.0), "share of full authority per rad",
             "Torque asked for per integrated error of the rate", grows 2;
         d: axes = [0.00172, 0.00172, 0.0], within(0.0, 0.1), "share of full authority per rad/s2",
             "Torque taken back per measured angular acceleration", grows 1;

@@ -67,6 +67,7 @@ pub fn quad() -> Vehicle {
             lag_down: 0.025,
             rotor_inertia: 4e-5,
             rotor_radius: 0.127,
+            motor_constant: 0.033,
             figure_of_merit: 0.5,
             electronics: 5.0,
         },

@@ -42,8 +42,8 @@ pub fn section(plan: &Plan, findings: &Findings) -> Markup {
                 "another but for a constant factor."
             }
             li {
-                "Of the drone: flexing of the frame, motors' currents as they spin up, regenerative braking, "
-                "temperature, sensors away from the centre of mass, wear."
+                "Of the drone: flexing of the frame, regenerative braking, temperature, sensors away from the "
+                "centre of mass, wear."
             }
             li { "GPS and vision as such: reports of the true place with noise come over the link." }
             li {

@@ -51,11 +51,13 @@ fn tunings(plan: &Plan, findings: &Findings) -> Markup {
     let mut tunings: Vec<_> = findings.tunings.iter().collect();
     tunings.sort_by_key(|it| plan.place(&it.cell));
     html! {
+        @let [slowest, fastest] = margins::BANDWIDTHS;
         h3 { "Loops at equal margins" }
         p {
             "How fast each policy may make attitude and rate loops, in % of the configured bandwidth: the "
-            "fastest of " (format!("{:?}", margins::BANDWIDTHS)) " that keeps the drone from oscillating when "
-            "it answers its motors twice as strongly, and when commands apply 20 ms late."
+            "fastest from " (slowest) " to " (fastest) " that, with all slower ones, keeps the drone from "
+            "turning more than a limit when it answers its motors twice as strongly, and when commands apply "
+            "late. A rule is that delay with that limit, RMS."
         }
         table {
             tr { (names_head()) th class="name" { "control" } th { "bandwidth, %" } }

@@ -17,7 +17,7 @@ pub(in crate::campaign) fn landed(role: Role, seed: u32, pitch: f64) -> Landed {
     let sortie = Sortie {
         tier: Tier::Native,
         airframe: reflex::config::AIRFRAME.into(),
-        logic: "arducopter".into(),
+        logic: "cascade".into(),
         environment: "lab".into(),
         duration_s: 30,
         role,
@@ -25,9 +25,11 @@ pub(in crate::campaign) fn landed(role: Role, seed: u32, pitch: f64) -> Landed {
     };
     let report = FlightReport {
         environment: sortie.environment.clone(),
+        position: "motion_capture".into(),
         airframe: sortie.airframe.clone(),
-        bandwidth: 1.0,
         logic: sortie.logic.clone(),
+        gains: None,
+        bandwidth: 1.0,
         mission: "waypoints".into(),
         tier: "native".into(),
         policy: "reactive".into(),

@@ -123,7 +123,7 @@ fn every_option_arrives() {
         ..config::SETTINGS
     };
     let expected = ReplayOptions {
-        logic: LogicName::configured(),
+        gains: LogicName::configured().into(),
         log: Some("a.csv".into()),
         settings,
         duration_s: Some(20.0),

@@ -21,7 +21,7 @@ pub(super) fn check(progress: &mut dyn Progress) -> Result<()> {
     // The configured one last: what follows uses the firmware that was built with it.
     for logic in others.chain([&configured]) {
         let options = ReplayOptions {
-            logic: *logic,
+            gains: (*logic).into(),
             ..ReplayOptions::default()
         };
         let report = replay(&options, progress)?;

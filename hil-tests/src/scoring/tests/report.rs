@@ -57,6 +57,7 @@ fn sensor(name: &str, state: ModelState) -> Sensor {
 fn options() -> Options {
     Options {
         logic: "cascade".into(),
+        gains: None,
         settings: Settings {
             triggers: Inputs::NONE.with(Input::Gyro),
             quantum: 0.25,

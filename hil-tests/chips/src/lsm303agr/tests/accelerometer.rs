@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use super::super::accelerometer_registers::*;
 use super::super::*;
 use crate::testing::*;
-use crate::{Chip, ChipOptions, Present, StimulusSource};
+use crate::{Chip, ChipOptions, OwnClock, Present, StimulusSource};
 
 /// 100 Hz high resolution, +-4 g, block data update, three wires.
 const FLIGHT: [(u8, u8); 2] = [(CTRL_REG4_A, 0x99), (CTRL_REG1_A, 0x57)];

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use super::super::magnetometer_registers::*;
 use super::super::*;
 use crate::testing::*;
-use crate::{Chip, ChipOptions, Present, StimulusSource};
+use crate::{Chip, ChipOptions, OwnClock, Present, StimulusSource};
 
 /// 100 Hz continuous, block data update.
 const FLIGHT: [(u8, u8); 2] = [(CFG_REG_C_M, 0x10), (CFG_REG_A_M, 0x0C)];

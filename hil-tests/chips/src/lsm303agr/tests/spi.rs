@@ -4,7 +4,7 @@ use super::super::accelerometer_registers as xl;
 use super::super::magnetometer_registers as mg;
 use super::super::*;
 use crate::testing::*;
-use crate::{Chip, SpiChip};
+use crate::{Chip, OwnClock, SpiChip};
 
 fn accel() -> Accelerometer {
     Accelerometer::new(lively(), exact())

@@ -30,7 +30,7 @@ const MOST_OFF: f64 = 0.02;
 /// What a replay took.
 fn busy(logic: LogicName, settings: Settings) -> Busy {
     let options = ReplayOptions {
-        logic,
+        gains: logic.into(),
         ..seconds(LENGTH_S, settings)
     };
     let Report { run, score, .. } = fly(&options);
