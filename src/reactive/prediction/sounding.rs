@@ -1,4 +1,4 @@
-//! Soundings: how a control logic's command moves with each feature of a motion, by differences.
+//! Soundings: how a control logic answers each feature of a motion.
 
 use crate::airframe::{Axes, Mixed};
 use crate::estimate::{Increment, Motion, Rotation, trusted_down};
