@@ -42,8 +42,8 @@ pub use learners::changes_of;
 pub use limits::Limits;
 pub use logistic::Logistic;
 pub use outcome::Outcome;
-pub use owed::{Course, Impulse};
-pub use prediction::{Column, Feature, Situation, Sounding};
+pub use owed::{Course, Impulse, OfAxes, axes_of};
+pub use prediction::{Column, Feature, Prediction, Situation, Sounding};
 pub use sample::Sample;
 pub use schedule::{Next, Reason};
 pub use shadow_holds::{Commanded, Held, Lead, Rule, ShadowHolds, differs};
@@ -63,7 +63,6 @@ use hyperperiod::GATES;
 use judgement::{Judgement, Verdict};
 use learners::Learners;
 use owed::Budget;
-use prediction::Prediction;
 use schedule::Schedule;
 use setpoints::SetpointQuanta;
 

@@ -9,19 +9,22 @@ use reflex::control::Setpoint;
 use reflex::estimate::Arrival;
 use reflex::graph::{ControlLogic, Flown};
 use reflex::math::Vec3;
-use reflex::reactive::{Held, Label, Labels, Lead, Rule, ShadowHolds};
+use reflex::reactive::{
+    Column, Commanded, Feature, Held, Label, Labels, Lead, Prediction, Rule, ShadowHolds, axes_of,
+};
 use reflex::sensors::{GRAVITY, ImuSample, Input};
 use reflex::settings::{Pairs, Reference};
 use reflex::time::{at_micros, micros};
 use reflex::units::{BodyRates, SpecificForce, Thrust};
 use reflex_bench::marks::{measured, rounds};
-use reflex_bench::{ARRIVAL, FADE, FORESEE, HOLDS, LABEL, RUN};
+use reflex_bench::{ANCHOR, ARRIVAL, FADE, FORESEE, HOLDS, LABEL, PREDICT, RUN};
 
 /// Corner of the angular acceleration's filter, in Hz.
 const CUTOFF: f32 = 20.0;
 
 pub fn measure() {
     arrival();
+    predictions();
     runs();
     holds();
     labels();
@@ -66,6 +69,36 @@ fn arrival() {
     });
 }
 
+/// A prediction of the command, whatever its slopes, after each of some samples; then after runs.
+fn predictions() {
+    let (mut arrival, mut samples) = (Arrival::default(), Samples::new());
+    let mut graph = Flown::default();
+    graph.fly(Setpoint::level(Thrust::new(0.5).unwrap_or(Thrust::ZERO)));
+    graph.run();
+    let axes = axes_of(graph.mixer());
+    let mut prediction = Prediction::new(axes, graph.mixer().motors(), CUTOFF);
+    for &feature in &Feature::ALL {
+        let of_axes = [0.0; 4].map(|zero| samples.around(zero, 0.01));
+        assert!(prediction.on_column(&Column { feature, of_axes }));
+    }
+    let command = *graph.mixed();
+    assert!(prediction.on_run(&command, &command.shares, &arrival.motion()));
+    assert!(arrival.take(&samples.next(0), CUTOFF));
+    rounds(PREDICT, |round| {
+        assert!(arrival.take(&samples.next(round + 1), CUTOFF));
+        let (prediction, motion) = (&mut prediction, arrival.motion());
+        let (prediction, motion) = black_box((prediction, &motion));
+        measured(|| *prediction.predict(motion));
+    });
+    rounds(ANCHOR, |round| {
+        let sample = samples.next(PREDICT.rounds + round + 1);
+        assert!(arrival.take(&sample, CUTOFF));
+        let motion = arrival.take_motion();
+        let (prediction, motion) = black_box((&mut prediction, &motion));
+        measured(|| prediction.on_run(&command, &command.shares, motion));
+    });
+}
+
 fn runs() {
     let (mut arrival, mut samples) = (Arrival::default(), Samples::new());
     let mut graph = Flown::default();
@@ -102,7 +135,7 @@ fn holds() {
     let rule = Rule {
         reference: Reference::LastRun,
         pairs: Pairs::FirstCrossings,
-        quantum: 1.0 / 255.0,
+        counts: 1.0 / 255.0,
         failsafe: micros(100_000),
     };
     let mut samples = Samples::new();
@@ -110,7 +143,7 @@ fn holds() {
         let rates = samples.axes(2.0);
         let newest = Held {
             sample: rates,
-            command: command(&mut samples),
+            command: Commanded::Now(command(&mut samples)),
             rates,
         };
         let now = at_micros(1000 * round as u64);

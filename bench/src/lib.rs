@@ -34,6 +34,8 @@ pub struct Part {
 
 /// A test of a sample against a threshold is to cost nothing against the run that it saves.
 const TRIGGER_LIMIT: u64 = 60;
+/// A prediction of what is owed replaces a foresight at every sample.
+const PREDICTION_LIMIT: u64 = 150;
 /// A refit is to be done in idle between two samples of the gyroscope, more or less: 1.2 ms.
 const REFIT_LIMIT: u64 = 200_000;
 
@@ -59,6 +61,10 @@ pub const COMMAND_ABOVE: Part = part("trigger test, command, above", 32, Some(TR
 pub const ARRIVAL: Part = part("arrival of one IMU sample", 64, None);
 /// `ControlLogic::take` and `foresee`.
 pub const FORESEE: Part = part("foreseeing the command", 64, None);
+/// `Prediction::predict`.
+pub const PREDICT: Part = part("predicting what is owed", 64, Some(PREDICTION_LIMIT));
+/// `Prediction::on_run`, which learns from the run and begins anew.
+pub const ANCHOR: Part = part("prediction after a run", 64, None);
 /// `ControlLogic::take` and `run`.
 pub const RUN: Part = part("run, from motion to command", 64, None);
 /// `ShadowHolds::take`, all candidates.
@@ -75,13 +81,15 @@ pub const REFIT: Part = part("refit, typical labels", 16, Some(REFIT_LIMIT));
 pub const WORST_REFIT: Part = part("refit, dearest labels found", 1024, Some(REFIT_LIMIT));
 
 /// All of them, in the order in which the program measures.
-pub const PARTS: [Part; 14] = [
+pub const PARTS: [Part; 16] = [
     NOTHING,
     AXES_BELOW,
     AXES_ABOVE,
     COMMAND_BELOW,
     COMMAND_ABOVE,
     ARRIVAL,
+    PREDICT,
+    ANCHOR,
     FORESEE,
     RUN,
     HOLDS,

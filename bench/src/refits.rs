@@ -5,14 +5,14 @@ use core::hint::black_box;
 use cortex_m::peripheral::DWT;
 use oorandom::Rand32;
 use reflex::config::{Changes, of_input};
-use reflex::reactive::{BIN_COUNT, Decision, Fit, Label, Labels, Logistic, RefitJob};
+use reflex::reactive::{BIN_COUNT, Decision, Fit, Label, Labels, Logistic, RefitJob, Rest};
 use reflex::sensors::Input;
 use reflex_bench::marks::{measured, rounds};
 use reflex_bench::{REFIT, SWAP, WORST_REFIT};
 
 pub fn measure() {
     rounds(SWAP, |round| {
-        let mut decision = Decision::new(0.6);
+        let mut decision = Decision::new(0.6, Rest::Open);
         let fit = Fit::Model(Logistic {
             b1: -2.0,
             b2: 1.0 + round as f32,

@@ -5,7 +5,7 @@ use core::hint::black_box;
 use reflex::airframe::MotorShares;
 use reflex::config::GEOMETRY;
 use reflex::math::Vec3;
-use reflex::reactive::{Decision, Fit, Logistic, Sample, Watch};
+use reflex::reactive::{Decision, Fit, Logistic, Rest, Sample, Watch};
 use reflex::settings::Reference;
 use reflex_bench::marks::{measured, rounds};
 use reflex_bench::{AXES_ABOVE, AXES_BELOW, COMMAND_ABOVE, COMMAND_BELOW};
@@ -46,7 +46,7 @@ fn share(round: usize, place: usize, of: usize) -> f32 {
 
 fn test<S: Sample>([before, after]: [S; 2], calls: bool) {
     let mut watch = Watch::new(black_box(Reference::LastRun));
-    let mut decision = Decision::new(0.5);
+    let mut decision = Decision::new(0.5, Rest::Open);
     decision.set_fit(MODEL);
     decision.take(watch.take(&before));
     watch.on_run();

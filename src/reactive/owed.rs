@@ -22,7 +22,7 @@ const WEIGHTS: [f32; Axes::COUNT] = [1.0, 1.0, 0.3, 0.3];
 pub(super) const REPAYMENT: Duration = micros(10_000);
 
 /// A weighted share of full scale for each axis: roll, pitch, yaw, thrust.
-pub(super) type OfAxes = [f32; Axes::COUNT];
+pub type OfAxes = [f32; Axes::COUNT];
 
 /// An impulse about each axis: weighted shares of full scale times seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -46,7 +46,8 @@ pub struct Course {
 }
 
 /// The axes that impulses are measured about.
-pub(super) fn axes_of(mixer: &Mixer) -> Axes {
+#[must_use]
+pub fn axes_of(mixer: &Mixer) -> Axes {
     Axes::weighted(mixer, WEIGHTS)
 }
 

@@ -50,7 +50,7 @@ const DRIFT_TIME: f32 = 0.005;
 
 /// What the held command owes, by prediction where that suffices.
 #[derive(Clone, Debug)]
-pub(super) struct Prediction {
+pub struct Prediction {
     axes: Axes,
     slopes: Slopes,
     /// Features that were sounded, a bit for each.
@@ -75,7 +75,8 @@ pub(super) struct Prediction {
 impl Prediction {
     /// About these axes of so many motors, for a control logic whose angular acceleration is
     /// filtered at a corner (Hz).
-    pub(super) fn new(axes: Axes, motors: usize, derivative_cutoff: f32) -> Self {
+    #[must_use]
+    pub fn new(axes: Axes, motors: usize, derivative_cutoff: f32) -> Self {
         Self {
             axes,
             slopes: Slopes::new(derivative_cutoff),
@@ -92,28 +93,31 @@ impl Prediction {
     }
 
     /// The axes that impulses are about.
-    pub(super) fn axes(&self) -> &Axes {
+    #[must_use]
+    pub fn axes(&self) -> &Axes {
         &self.axes
     }
 
     /// True where commands must be foreseen exactly until the next run.
-    pub(super) fn is_exact(&self) -> bool {
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
         self.exact
     }
 
     /// What is owed since the last run, as of the last sample.
-    pub(super) fn owed(&self) -> &Impulse {
+    #[must_use]
+    pub fn owed(&self) -> &Impulse {
         &self.owed
     }
 
     /// What is owed after this motion since the last run, by prediction.
-    pub(super) fn predict(&mut self, motion: &Motion) -> &Impulse {
+    pub fn predict(&mut self, motion: &Motion) -> &Impulse {
         self.owed = self.form.impulse(motion);
         &self.owed
     }
 
     /// What is owed after this motion, for which a command was foreseen exactly.
-    pub(super) fn foresee(
+    pub fn foresee(
         &mut self,
         command: &MotorShares,
         held: &MotorShares,
@@ -129,12 +133,7 @@ impl Prediction {
     ///
     /// The gate may apply another one than the control logic came to. False where its slopes are
     /// refuted.
-    pub(super) fn on_run(
-        &mut self,
-        command: &Mixed,
-        applied: &MotorShares,
-        motion: &Motion,
-    ) -> bool {
+    pub fn on_run(&mut self, command: &Mixed, applied: &MotorShares, motion: &Motion) -> bool {
         let sound = self.learn_from(command, motion);
         self.owed = Impulse::default();
         self.begin(command, applied, motion);
@@ -142,7 +141,7 @@ impl Prediction {
     }
 
     /// The control logic ran on a motion, but another command is held on: what is owed stays.
-    pub(super) fn on_advance(&mut self, command: &Mixed, held: &MotorShares, motion: &Motion) {
+    pub fn on_advance(&mut self, command: &Mixed, held: &MotorShares, motion: &Motion) {
         if !self.exact {
             self.predict(motion);
         }
@@ -150,7 +149,7 @@ impl Prediction {
     }
 
     /// The control logic came to another command with no new motion: something joined it.
-    pub(super) fn on_joined(&mut self, command: &Mixed, motion: &Motion) {
+    pub fn on_joined(&mut self, command: &Mixed, motion: &Motion) {
         let jump = self.axes.between(&self.command, &command.shares);
         self.command = command.shares;
         if self.exact {
@@ -206,17 +205,18 @@ impl Prediction {
     }
 
     /// True where the control logic is to be sounded.
-    pub(super) fn is_sounding_due(&self, now: Instant) -> bool {
+    #[must_use]
+    pub fn is_sounding_due(&self, now: Instant) -> bool {
         now >= self.due
     }
 
     /// A sounding ended.
-    pub(super) fn on_sounded(&mut self, now: Instant) {
+    pub fn on_sounded(&mut self, now: Instant) {
         self.due = now + INTERVAL;
     }
 
     /// Takes what a sounding found of one feature; false where that is not finite.
-    pub(super) fn on_column(&mut self, column: &Column) -> bool {
+    pub fn on_column(&mut self, column: &Column) -> bool {
         let finite = column.of_axes.iter().all(|slope| slope.is_finite());
         if finite {
             self.slopes.set(column);
