@@ -160,7 +160,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             Foresight::None => {}
             Foresight::Predicted => {
                 let record = &mut self.record;
-                let tell = |input, label: &_| record.label(input, label);
+                let tell = &mut |input, label: &_| record.label(input, label);
                 let changed = self.reactive.take_predicted(at, &motion, tell);
                 self.record.judged(at, changed);
             }
@@ -173,7 +173,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         self.graph.take(motion, self.sensing.heading_error(at));
         let foreseen = self.graph.foresee();
         let (held, record) = (self.safety.applied(), &mut self.record);
-        let tell = |input, label: &_| record.label(input, label);
+        let tell = &mut |input, label: &_| record.label(input, label);
         let changed = self
             .reactive
             .take_foreseen(at, &foreseen.shares, held, motion, tell);

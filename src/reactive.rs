@@ -189,7 +189,7 @@ impl Reactive {
         &mut self,
         now: Instant,
         motion: &Motion,
-        tell: impl FnMut(Input, &Label),
+        tell: &mut dyn FnMut(Input, &Label),
     ) -> Option<bool> {
         let owed = *self.prediction.predict(motion);
         self.spend(now, &owed, tell)
@@ -203,7 +203,7 @@ impl Reactive {
         command: &MotorShares,
         held: &MotorShares,
         motion: &Motion,
-        tell: impl FnMut(Input, &Label),
+        tell: &mut dyn FnMut(Input, &Label),
     ) -> Option<bool> {
         if self.learners.lesson(Input::Command).triggers && self.learners.command_calls(command) {
             self.schedule.ask(Input::Command);
@@ -220,7 +220,7 @@ impl Reactive {
         &mut self,
         now: Instant,
         owed: &Impulse,
-        tell: impl FnMut(Input, &Label),
+        tell: &mut dyn FnMut(Input, &Label),
     ) -> Option<bool> {
         if self.learners.owed_calls(owed) {
             self.schedule.ask(Input::Owed);
@@ -229,8 +229,9 @@ impl Reactive {
         Some(self.heed(&verdict, tell))
     }
 
-    /// Learns from what became of the last run.
-    fn heed(&mut self, verdict: &Verdict, tell: impl FnMut(Input, &Label)) -> bool {
+    /// Learns from what became of the last run. Not inlined: it is rare, and in three places.
+    #[inline(never)]
+    fn heed(&mut self, verdict: &Verdict, tell: &mut dyn FnMut(Input, &Label)) -> bool {
         if let Some(teaching) = &verdict.teaching {
             self.learners.teach(teaching, true, tell);
         }
@@ -391,7 +392,7 @@ impl Reactive {
             }
             Some(changed) => {
                 if let Some(teaching) = self.judgement.judge(run.at, run.reason, asked, changed) {
-                    self.learners.teach(&teaching, false, tell);
+                    self.learners.teach(&teaching, false, &mut tell);
                 }
             }
         }
@@ -399,7 +400,7 @@ impl Reactive {
     }
 
     /// What became of the last run, where this one ends the time that it was given.
-    fn settle_last(&mut self, run: &Run, tell: impl FnMut(Input, &Label)) -> Option<bool> {
+    fn settle_last(&mut self, run: &Run, tell: &mut dyn FnMut(Input, &Label)) -> Option<bool> {
         let off = self.prediction.axes().between(run.before, run.applied);
         let owed = self.prediction.owed();
         let verdict = self.judgement.settle_early(run.at, owed, off)?;

@@ -199,11 +199,12 @@ impl Learners {
     }
 
     /// Adds the labels of a run, or of the last one where they come `late`.
+    #[inline(never)]
     pub(super) fn teach(
         &mut self,
         teaching: &Teaching,
         late: bool,
-        mut tell: impl FnMut(Input, &Label),
+        tell: &mut dyn FnMut(Input, &Label),
     ) {
         for input in Input::ALL {
             if teaching.inputs.contains(input)

@@ -96,6 +96,9 @@ impl<S: Sample> Learner<S> {
     }
 
     /// Shows a sample, where there is one, to the shadow holds.
+    ///
+    /// Not inlined, as only learning does it, and in many places.
+    #[inline(never)]
     pub(super) fn hold(&mut self, sample: Option<S>, showing: &Showing, tell: impl FnMut(&Label)) {
         let &Showing {
             now,
@@ -186,6 +189,7 @@ impl Lesson {
     /// Counts what the change that a run met came to; nothing where none was measured.
     ///
     /// The run that is going on, or, `late`, the one before.
+    #[inline(never)]
     pub(super) fn label(&mut self, changed: bool, weight: f32, late: bool) -> Option<Label> {
         let x = if late {
             self.decision.met()?
