@@ -10,10 +10,11 @@ const FOLDERS: [&str; 4] = ["", "boards", "airframes", "logics"];
 
 /// file | text in it | its replacement | key at fault | range said
 const OUT_OF_RANGE: &str = r#"
-reactive.toml | p_run = 0.6 | p_run = 1.0 | runs.p_run | above 0 and below 1
-reactive.toml | p_run = 0.6 | p_run = nan | runs.p_run | above 0 and below 1
+reactive.toml | p_run = 0.8 | p_run = 1.0 | runs.p_run | above 0 and below 1
+reactive.toml | p_run = 0.8 | p_run = nan | runs.p_run | above 0 and below 1
 reactive.toml | failsafe_s = 0.1 | failsafe_s = 2 | runs.failsafe_s | at most 1 s
 reactive.toml | failsafe_s = 0.1 | failsafe_s = 0.002 | runs.failsafe_s | 2 hyperperiods
+reactive.toml | budget_s = 0.0125 | budget_s = 0.0001 | runs.budget_s | 0.0005 to 0.5 s
 reactive.toml | periodic_rate_hz = 400 | periodic_rate_hz = 0 | runs.periodic_rate_hz | 1 to 1000
 reactive.toml | quantum_steps = 255 | quantum_steps = 1 | runs.quantum_steps | 2 to 65535
 reactive.toml | length = "automatic" | length = 31 | warm_up.length | 0 to 30 s
@@ -51,12 +52,12 @@ logics/cleanflight.toml | velocity_p = 0.375 | velocity_p = 375 | altitude.veloc
 
 /// file | text in it | its replacement | what is said
 const UNREADABLE: &str = r#"
-reactive.toml | p_run = 0.6 | p_rum = 0.6 | unknown field `p_rum`, expected
-reactive.toml | p_run = 0.6 | p_run = "often" | runs.p_run: invalid type
+reactive.toml | p_run = 0.8 | p_rum = 0.8 | unknown field `p_rum`, expected
+reactive.toml | p_run = 0.8 | p_run = "often" | runs.p_run: invalid type
 reactive.toml | policy = "reactive" | policy = "lazy" | runs.policy: unknown variant `lazy`
-reactive.toml | p_run = 0.6 |  | missing field `p_run`
+reactive.toml | p_run = 0.8 |  | missing field `p_run`
 reactive.toml | gates = true | gates = 1 | inputs.gyro.gates: invalid type
-reactive.toml | p_run = 0.6 | p_run = | string values must be quoted
+reactive.toml | p_run = 0.8 | p_run = | string values must be quoted
 logics/cascade.toml | [6.0, 6.0, 3.0] | [6.0, 6.0] | attitude.p: invalid length
 logics/cascade.toml | [6.0, 6.0, 3.0] | [6.0, "much", 3.0] | attitude.p.1: invalid type
 logics/cascade.toml | d_cutoff_hz = 20 | d_cutoff_hz = [20] | rate.d_cutoff_hz: invalid type

@@ -43,7 +43,7 @@ pub use report::{
     BoardTime, Cpu, Firmware, Gap, LatencyPart, ModelState, Options, Report, RunReport, Sensor,
     SetpointSource, Tier, WithoutLeading,
 };
-pub use rules::{LoadRules, MOST_SATURATED, Rules, impulse_axes};
+pub use rules::{LoadRules, MOST_SATURATED, Rules};
 pub use section::{Actuators, Calibration, Control, Decisions, Section, WINDOW_US, Window};
 pub use summary::summary;
 pub(crate) use table::{Table, or_dash};

@@ -43,7 +43,7 @@ declare! {
             .default("every").only_of(Policy::Reactive).option("feedback", ""),
         /// Probability of a changed command that calls for a run.
         p_run: f32 = Setting::of(["runs", "p_run"], Kind::Number(between(0.0, 1.0)), "")
-            .default("0.6").only_of(Policy::Reactive).option("p-run", "P"),
+            .default("0.8").only_of(Policy::Reactive).option("p-run", "P"),
         /// How long control runs at every sample to learn.
         warm_up: WarmUp = Setting::of(
             ["warm_up", "length"], Kind::WordOrSpan(&["automatic", "auto"], within(0.0, 30.0)), "s")

@@ -72,19 +72,25 @@ fn motors_stay_stopped_until_armed_and_stop_when_disarmed() {
 }
 
 #[test]
-fn warm_up_fits_a_model_and_reactive_control_spares_runs() {
-    let mut bench = Bench::armed(short_warm_up());
-    bench.milliseconds(4_600, gusty);
-    assert_eq!(bench.phase(), Phase::Reactive);
-    assert!(matches!(bench.autopilot.fit(Input::Command), Fit::Model(_)));
-    let before = bench.outputs.len();
-    bench.milliseconds(4_000, gusty);
-    let runs = bench.outputs.len() - before;
-    assert!(
-        (40..3_000).contains(&runs),
-        "{runs} runs in 4000 hyperperiods"
-    );
-    assert!(bench.reasons().contains(&Reason::Trigger));
+fn warm_up_fits_a_model_and_reactive_control_spares_runs_whatever_leads() {
+    for (lead, other) in [(Input::Owed, Input::Command), (Input::Command, Input::Owed)] {
+        let mut bench = Bench::armed(Settings {
+            triggers: Inputs::ALL.without(other),
+            ..short_warm_up()
+        });
+        bench.milliseconds(4_600, gusty);
+        assert_eq!(bench.phase(), Phase::Reactive);
+        let fit = bench.autopilot.fit(lead);
+        assert!(matches!(fit, Fit::Model(_)), "{lead:?} {fit:?}");
+        let before = bench.outputs.len();
+        bench.milliseconds(4_000, gusty);
+        let runs = bench.outputs.len() - before;
+        assert!(
+            (40..3_000).contains(&runs),
+            "{lead:?}: {runs} runs in 4000 hyperperiods"
+        );
+        assert!(bench.reasons().contains(&Reason::Trigger));
+    }
 }
 
 #[test]

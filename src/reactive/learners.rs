@@ -175,6 +175,9 @@ impl Learners {
         command: &MotorShares,
         mut tell: impl FnMut(Input, &Label),
     ) {
+        if !self.lesson(input).triggers {
+            return;
+        }
         let Some(lead) = self.lead_for(input) else {
             return;
         };

@@ -9,15 +9,13 @@ use anyhow::Result;
 use reflex::airframe::Mixer;
 use reflex::app::{Autopilot, Call, Next, Reason, Stamped};
 use reflex::config::HYPERPERIOD;
-use reflex::reactive::{FallbackReason, Phase};
+use reflex::reactive::{FallbackReason, Phase, axes_of};
 use reflex::settings::Policy;
-use reflex::time::Instant;
+use reflex::time::{Instant, seconds};
 
 use crate::logics::{AnyLogic, Start};
 use crate::record::Mirror;
-use crate::scoring::{
-    Clock, Command, Flight, Held, LOADS, LoadRules, Rules, Run, Score, impulse_axes, score,
-};
+use crate::scoring::{Clock, Command, Flight, Held, LOADS, LoadRules, Rules, Run, Score, score};
 
 /// A replay as its calls show it.
 pub(crate) struct Timeline<'c> {
@@ -199,7 +197,8 @@ impl<'c> Timeline<'c> {
             busy,
         });
         Rules {
-            axes: impulse_axes(&Mixer::new(&self.start.airframe)),
+            axes: axes_of(&Mixer::new(&self.start.airframe)),
+            budget_s: seconds(self.start.settings.budget),
             load,
             quantum: self.start.settings.quantum,
             failsafe_us,

@@ -5,6 +5,9 @@
 //! measured on the emulated board; a native replay, which has no processor, takes its load from
 //! there, and so does periodic control in either tier. On the emulated board the policy's own
 //! load is what was measured.
+//!
+//! Commands that are foreseen exactly are not in the table: where motors saturate, a native
+//! replay says less than the policy takes.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;

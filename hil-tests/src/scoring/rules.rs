@@ -3,17 +3,13 @@
 use super::flight::Command;
 use super::load::Cost;
 use reflex::airframe::{Axes, Mixer};
-use reflex::config::GEOMETRY;
+use reflex::config::{GEOMETRY, SETTINGS};
+use reflex::reactive::axes_of;
+use reflex::time::seconds;
 use std::ops::RangeInclusive;
 
 /// A flight with more saturated hyperperiods than this share is not scored.
 pub const MOST_SATURATED: f64 = 0.2;
-
-/// What an impulse on roll, pitch, yaw and thrust counts: yaw and thrust move a drone slowly.
-const IMPULSE_WEIGHTS: [f32; Axes::COUNT] = [1.0, 1.0, 0.3, 0.3];
-
-/// How long, in s, a quantum may be owed about one axis: the impulse rule's budget.
-const BUDGET_S: f32 = 0.0125;
 
 /// The constants of one scoring.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +25,8 @@ pub struct Rules {
     pub periodic_hz: RangeInclusive<f64>,
     /// The axes about which a held command owes an impulse.
     pub axes: Axes,
+    /// How long, in s, a quantum may be owed before a run is due.
+    pub budget_s: f32,
     /// What control takes of the processor; `None` where nobody measured it.
     pub load: Option<LoadRules>,
 }
@@ -54,23 +52,18 @@ impl Default for Rules {
             failsafe_us: 100_000,
             limits: GEOMETRY.armed_minimum()..=1.0,
             periodic_hz: 1.0..=1000.0,
-            axes: impulse_axes(&Mixer::default()),
+            axes: axes_of(&Mixer::default()),
+            budget_s: seconds(SETTINGS.budget),
             load: None,
         }
     }
-}
-
-/// The axes of an airframe about which impulses are owed.
-#[must_use]
-pub fn impulse_axes(mixer: &Mixer) -> Axes {
-    Axes::weighted(mixer, IMPULSE_WEIGHTS)
 }
 
 impl Rules {
     /// The impulse that calls for a run, in weighted shares of full scale times seconds.
     #[must_use]
     pub fn budget(&self) -> f32 {
-        self.quantum * BUDGET_S
+        self.quantum * self.budget_s
     }
 
     /// Whether some motor's command sits at a limit.

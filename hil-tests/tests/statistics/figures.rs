@@ -97,9 +97,9 @@ fn dots(samples: &[Sample], from: f64, to: f64) -> Vec<(f64, f64, f64)> {
         .collect()
 }
 
-fn title(input: Input, name: &str, samples: &[Sample], fit: Fit) -> String {
+fn title(input: Input, name: &str, samples: &[Sample], fit: Fit, p_run: f64) -> String {
     let state = match fit {
-        Fit::Model(model) => format!("x* {:.4}", model.crossing(0.6)),
+        Fit::Model(model) => format!("P_run {p_run:.2}, x* {:.4}", model.crossing(p_run as f32)),
         Fit::Irrelevant => "irrelevant".into(),
         Fit::Unfit => "unfit".into(),
     };
@@ -118,11 +118,11 @@ fn draw(
     let Some((lessons, fit)) = learned(flight, *settings, input) else {
         return Ok(());
     };
-    let samples = lessons.samples();
+    let (samples, p_run) = (lessons.samples(), f64::from(settings.p_run));
     let changes = changes_of(input, settings);
     let [from, to] = [changes.smallest, changes.largest].map(|x| f64::from(x).log10());
     let mut chart = ChartBuilder::on(panel)
-        .caption(title(input, name, &samples, fit), ("sans-serif", 15))
+        .caption(title(input, name, &samples, fit, p_run), ("sans-serif", 15))
         .margin(8)
         .x_label_area_size(36)
         .y_label_area_size(42)
@@ -142,20 +142,23 @@ fn draw(
     let Fit::Model(model) = fit else {
         return Ok(());
     };
-    draw_model(&mut chart, &model, from, to)
+    draw_model(&mut chart, &model, p_run, [from, to])
 }
 
 fn draw_model<'a>(
     chart: &mut ChartContext<'_, SVGBackend<'a>, Plane>,
     model: &Logistic,
-    from: f64,
-    to: f64,
+    p_run: f64,
+    [from, to]: [f64; 2],
 ) -> DrawResult {
     let curve = (0..=400).map(|i| from + (to - from) * f64::from(i) / 400.0);
     let probability = |x: f64| f64::from(model.probability(10f64.powf(x) as f32));
     chart.draw_series(LineSeries::new(curve.map(|x| (x, probability(x))), &RED))?;
-    chart.draw_series(LineSeries::new([(from, 0.6), (to, 0.6)], BLACK.mix(0.4)))?;
-    let at = f64::from(model.crossing(0.6)).log10();
+    chart.draw_series(LineSeries::new(
+        [(from, p_run), (to, p_run)],
+        BLACK.mix(0.4),
+    ))?;
+    let at = f64::from(model.crossing(p_run as f32)).log10();
     if at.is_finite() {
         chart.draw_series(LineSeries::new([(at, 0.0), (at, 1.0)], BLACK.mix(0.4)))?;
     }
@@ -170,7 +173,7 @@ fn figure(flight: &Flight, file: &Path) -> DrawResult {
     root.fill(&WHITE)?;
     let name = flight.name.rsplit('/').next().unwrap_or(&flight.name);
     let root = root.titled(
-        &format!("{name}: labels at the end of the warm-up (dot area grows with their number), fit, P_run 0.6 and x*"),
+        &format!("{name}: labels at the end of the warm-up (dot area grows with their number), fit, P_run and x*"),
         ("sans-serif", 18),
     )?;
     let all = settings();

@@ -13,16 +13,14 @@ use recorded_flights::recordings::flights;
 pub(super) fn settings() -> [(&'static str, Settings); 4] {
     let of = |triggers| Settings {
         triggers,
+        p_run: 0.6,
         ..reflex::config::SETTINGS
     };
-    let all = reflex::config::SETTINGS;
-    let without_command = of(Inputs::OF_AXES);
-    let turned = of(Inputs::OF_CHIPS.with(Input::Turned));
     [
-        ("default", all),
-        ("without command", without_command),
-        ("turned and chips", turned),
-        ("impulse owed", of(Inputs::ALL.without(Input::Command))),
+        ("dead-band", of(Inputs::ALL.without(Input::Owed))),
+        ("without command", of(Inputs::OF_AXES)),
+        ("turned and chips", of(Inputs::OF_CHIPS.with(Input::Turned))),
+        ("default", reflex::config::SETTINGS),
     ]
 }
 

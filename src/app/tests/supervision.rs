@@ -83,6 +83,7 @@ fn runs_that_begin_late_time_and_again_end_reactive_control() {
 fn models_that_the_flight_refutes_are_learned_again_from_scratch() {
     let mut bench = reactive(Settings {
         triggers: Inputs::NONE.with(Input::Gyro),
+        p_run: 0.6,
         ..short_warm_up()
     });
     // A model that calls for a run at every breath, swapped in as a refit would be.
@@ -245,7 +246,7 @@ fn turned_to_lags(seconds: u64, rate: fn(u64) -> Option<i16>) -> Vec<(u64, Input
 #[test]
 fn a_warm_up_in_which_nothing_changes_turns_to_lags_at_half_its_longest() {
     let half = LONGEST_WARM_UP.ticks() / 2_000_000;
-    let leads = Inputs::NONE.with(Input::Command);
+    let leads = Inputs::NONE.with(Input::Owed);
     assert_eq!(turned_to_lags(half + 5, noise), [(half, leads)]);
 }
 

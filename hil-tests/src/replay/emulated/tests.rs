@@ -11,7 +11,7 @@ use reflex::time::micros;
 use super::replay;
 use crate::progress::Silent;
 use crate::replay::options::ReplayOptions;
-use crate::scoring::{ModelState, Report};
+use crate::scoring::Report;
 use recorded_flights::recordings::recording;
 
 fn fly(options: &ReplayOptions) -> Report {
@@ -31,17 +31,20 @@ fn seconds(length: f64, settings: Settings) -> ReplayOptions {
 fn check(report: &Report) {
     let (run, control) = (&report.run, &report.score.section.control);
     for sensor in run.sensors.iter().filter(|sensor| sensor.present) {
-        assert!(sensor.interrupts > 0, "{}: {sensor:?}", run.log);
+        // A chip that compares may rightly be silent.
+        let speaks = sensor.interrupts > 0 || sensor.chip_threshold.is_some();
+        assert!(speaks, "{}: {sensor:?}", run.log);
     }
     assert!(control.by_reason.trigger > 0, "{}", run.log);
     assert!(control.runs < report.score.hyperperiods, "{}", run.log);
-    let lead = run.sensors.last().expect("the command");
-    assert_eq!(lead.name, "command_change");
-    assert_eq!(lead.state, ModelState::Fit, "{}", run.log);
+    let lead = run.sensors.last().expect("what is owed");
+    assert_eq!(lead.name, "impulse_owed");
     let whole_way = run.latency_parts_us.last().expect("parts");
     let micros = whole_way.micros.expect("runs that the gyro asked for");
     assert!(micros.max < 900.0, "{}: {micros:?}", run.log);
-    assert_eq!(micros.count, lead.triggers, "{}: runs unmatched", run.log);
+    // The gyroscope's model may ask before what is owed does.
+    let asked = lead.triggers..=control.by_reason.trigger;
+    assert!(asked.contains(&micros.count), "{}: runs unmatched", run.log);
     let unexpected = [
         "imu_bus",
         "imu_overrun",
@@ -174,7 +177,7 @@ fn no_option_needs_another_firmware() {
             motors: MotorProtocol::Pwm,
             p_run: 0.4,
             quantum: 0.002,
-            triggers: Inputs::ALL.without(Input::Command),
+            triggers: Inputs::OF_AXES,
             pairs: Pairs::WeightedLags,
             feedback: Feedback::Published,
             seed: 9,
