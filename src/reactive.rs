@@ -1,18 +1,23 @@
 //! Reactive control: when does a change in a sensor call for new motor commands?
 //!
-//! For each input a logistic regression gives the probability that a run now would change the
-//! command by a quantum or more; its inverse is a threshold, so that the hot path is one
-//! comparison (Bregu et al., MobiSys 2016, sections 4 and 5). Labels come from shadow holds in
-//! the warm-up, later from the runs that one input alone asked for.
+//! Two things call for a run. One is the impulse that the held command owes, past a budget
+//! (`owed`), by a command that is predicted (`prediction`). The other is a sensor whose change says
+//! so before: for each input a logistic regression gives the probability that a run now would be
+//! *changed*, that its command would repay what it is worth; the inverse is a threshold, so that
+//! the hot path is one comparison (Bregu et al., MobiSys 2016, sections 4 and 5). Labels come from
+//! shadow holds in the warm-up, later from the runs that one input alone asked for. Where the
+//! impulse does not trigger, a run is changed when it moves some motor by a quantum.
 //!
 //! [`Reactive`] is the whole rule. It is shown samples, setpoints and runs, in this order:
 //!
 //! ```text
 //! samples  -> take_motion, take_sample -> learners: past a threshold? -> schedule: asked
+//!             take_predicted           -> past the budget?            -> schedule: asked
 //!             end_hyperperiod          -> schedule: is a run due?
 //! a run    -> learn                    -> labels, limits      -> on_phase_event
 //!             review_models, on_run    -> new references
 //! idle     -> refit_due, swap_model    -> new thresholds
+//!             sounding_due, on_column  -> new slopes of the prediction
 //! ```
 
 mod decision;
@@ -408,9 +413,18 @@ impl Reactive {
     }
 
     /// The limit on wrong models and late runs that is passed, if one is.
+    ///
+    /// Beside a budget no model is needed: where sensors ask wrongly too often they are silenced
+    /// until they have learned anew, and reactive control goes on.
     #[must_use]
-    pub fn passed_limit(&self) -> Option<FallbackReason> {
-        self.judgement.passed_limit()
+    pub fn passed_limit(&mut self) -> Option<FallbackReason> {
+        let passed = self.judgement.passed_limit()?;
+        if passed == FallbackReason::FalsePositives && self.counts_impulses() {
+            self.learners.silence();
+            self.judgement.restart();
+            return None;
+        }
+        Some(passed)
     }
 
     /// What the newest models mean, once after each; `delivered` are inputs whose sensor lives.

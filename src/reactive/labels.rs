@@ -33,7 +33,7 @@ pub struct Labels {
 pub struct Label {
     /// The change, in the input's unit.
     pub x: f32,
-    /// The command changed by a quantum or more.
+    /// The run was, or would have been, *changed*.
     pub changed: bool,
     /// How much it counts.
     pub weight: f32,

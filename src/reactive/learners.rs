@@ -1,9 +1,10 @@
 //! What each input learns and decides by.
 //!
-//! Some inputs are sensed, others derived at each burst: the angle turned since the last run, and
-//! the command that a run would come to. One input *leads*, the one that knows most of what a
-//! change does: the foreseen command where that may trigger, else the gyroscope, else the angle.
-//! The others are relevant for changes that they show before it does.
+//! Some inputs are sensed, others derived at each burst: the angle turned since the last run, the
+//! command that a run would compute, and the impulse that the held one owes. One input *leads*,
+//! the one that knows most of what a change does: of those that may trigger the impulse owed, else
+//! the command, else the gyroscope, else the angle. The others are relevant for changes that they
+//! show before it does; those of chips that compare are a second opinion, judged by themselves.
 
 mod learner;
 #[cfg(test)]
@@ -308,6 +309,15 @@ impl Learners {
         // Sums of a whole flight would lose the small angles that a hold turns by.
         self.turned_before = Vec3::ZERO;
         self.rearm(Input::Turned, Vec3::ZERO);
+    }
+
+    /// Forgets the models of the sensors that may ask beside a budget, and their labels.
+    pub(super) fn silence(&mut self) {
+        for input in Input::ALL {
+            if !self.stands_alone(input) {
+                self.lesson_mut(input).restart();
+            }
+        }
     }
 
     /// Forgets all labels and models.

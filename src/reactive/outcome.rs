@@ -36,7 +36,7 @@ numbered! {
 pub(super) struct Teaching {
     /// To whom.
     pub(super) inputs: Inputs,
-    /// The command changed by a quantum or more.
+    /// The run was, or would have been, *changed*.
     pub(super) changed: bool,
     /// What each label weighs.
     pub(super) weight: f32,

@@ -7,6 +7,9 @@
 //! the leading input would have asked for a run first, there is nothing left to learn of the
 //! others: the hold is *overtaken*, as runs that several inputs ask for teach nothing.
 //!
+//! Where impulses count, a label is known only when the new command had its time to repay; the hold
+//! waits for that.
+//!
 //! Where no change crosses any candidate, a hold may end after a number of samples instead.
 
 use super::owed::{Course, OfAxes};

@@ -105,6 +105,23 @@ fn models_that_the_flight_refutes_are_learned_again_from_scratch() {
 }
 
 #[test]
+fn beside_a_budget_sensors_that_ask_wrongly_are_silenced_and_reactive_control_goes_on() {
+    let mut bench = reactive(short_warm_up());
+    let wrong = crate::reactive::Logistic { b1: 3.0, b2: 1.0 };
+    let refit = crate::reactive::Refit {
+        input: Input::Gyro,
+        fit: Fit::Model(wrong),
+    };
+    bench.autopilot.on_refit(at_micros(bench.now), refit);
+    let wrongly = bench.autopilot.outcomes(Outcome::FalsePositive);
+    bench.milliseconds(250, noise);
+    let wrongly = bench.autopilot.outcomes(Outcome::FalsePositive) - wrongly;
+    assert!(wrongly > crate::config::JUDGED_RUNS / 4, "{wrongly}");
+    assert_eq!(bench.autopilot.fit(Input::Gyro), Fit::Unfit);
+    assert_eq!(bench.phase(), Phase::Reactive);
+}
+
+#[test]
 fn values_that_are_no_numbers_are_counted_and_reach_nothing() {
     let mut bench = reactive(short_warm_up());
     let mut setpoint = Setpoint::level(Thrust::new(0.5).expect("in range"));
