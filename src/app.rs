@@ -159,8 +159,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         match self.reactive.foresight() {
             Foresight::None => {}
             Foresight::Predicted => {
-                let record = &mut self.record;
-                let tell = &mut |input, label: &_| record.label(input, label);
+                let tell = self.record.labels();
                 let changed = self.reactive.take_predicted(at, &motion, tell);
                 self.record.judged(at, changed);
             }
@@ -172,8 +171,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     fn foresee(&mut self, at: Instant, motion: &Motion) {
         self.graph.take(motion, self.sensing.heading_error(at));
         let foreseen = self.graph.foresee();
-        let (held, record) = (self.safety.applied(), &mut self.record);
-        let tell = &mut |input, label: &_| record.label(input, label);
+        let (held, tell) = (self.safety.applied(), self.record.labels());
         let changed = self
             .reactive
             .take_foreseen(at, &foreseen.shares, held, motion, tell);
@@ -211,10 +209,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             before: &passed.before,
             applied: &applied,
         };
-        let record = &mut self.record;
-        let judged = self
-            .reactive
-            .learn(&run, |input, label| record.label(input, label));
+        let judged = self.reactive.learn(&run, self.record.labels());
         self.record.judged(now, judged.last);
         if let Some(reason) = self.reactive.passed_limit() {
             self.move_phase(PhaseEvent::Fail(reason));
@@ -324,11 +319,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.sensing
                 .take_field(at, sample.axes, self.graph.estimate());
         }
-        let (record, command) = (&mut self.record, self.safety.applied());
-        self.reactive
-            .take_sample(at, sample, command, |input, label| {
-                record.label(input, label);
-            })
+        let (command, tell) = (self.safety.applied(), self.record.labels());
+        self.reactive.take_sample(at, sample, command, tell)
     }
 
     /// The next order for a chip, where one is due; the board reports when it is done.

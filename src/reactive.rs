@@ -194,10 +194,10 @@ impl Reactive {
         &mut self,
         now: Instant,
         motion: &Motion,
-        tell: &mut dyn FnMut(Input, &Label),
+        mut tell: impl FnMut(Input, &Label),
     ) -> Option<bool> {
         let owed = *self.prediction.predict(motion);
-        self.spend(now, &owed, tell)
+        self.spend(now, &owed, &mut tell)
     }
 
     /// Takes the command that a run would compute now, beside the one that is held; says what
@@ -208,7 +208,7 @@ impl Reactive {
         command: &MotorShares,
         held: &MotorShares,
         motion: &Motion,
-        tell: &mut dyn FnMut(Input, &Label),
+        mut tell: impl FnMut(Input, &Label),
     ) -> Option<bool> {
         if self.learners.lesson(Input::Command).triggers && self.learners.command_calls(command) {
             self.schedule.ask(Input::Command);
@@ -217,7 +217,7 @@ impl Reactive {
             return None;
         }
         let owed = *self.prediction.foresee(command, held, motion);
-        self.spend(now, &owed, tell)
+        self.spend(now, &owed, &mut tell)
     }
 
     /// Asks for a run where more is owed than the budget.
@@ -356,7 +356,7 @@ impl Reactive {
         self.advanced = true;
     }
 
-    /// The control logic came to another command with no motion beyond this one.
+    /// A setpoint or a place changed the control logic's command; no motion came beyond this one.
     pub fn on_joined(&mut self, command: &Mixed, motion: &Motion) {
         if self.counts_impulses() {
             self.prediction.on_joined(command, motion);
@@ -372,10 +372,11 @@ impl Reactive {
             changed: None,
             last: None,
         };
-        if self.counts_impulses() {
-            judged.last = self.settle_last(run, &mut tell);
-        } else {
-            judged.changed = Some(self.judgement.is_changed(run.before, run.applied));
+        let axes = self.prediction.axes();
+        let gain = (self.counts_impulses()).then(|| axes.between(run.before, run.applied));
+        match gain {
+            Some(gain) => judged.last = self.settle_last(run.at, gain, &mut tell),
+            None => judged.changed = Some(self.judgement.is_changed(run.before, run.applied)),
         }
         // Without new motion a command cannot change, which teaches nothing about sensors; and
         // a setpoint that moved may have changed it whatever they said.
@@ -389,26 +390,27 @@ impl Reactive {
         if self.phase() != Phase::Reactive {
             return judged;
         }
-        match judged.changed {
-            None => {
-                let gain = self.prediction.axes().between(run.before, run.applied);
-                self.judgement
-                    .await_repayment(run.at, run.reason, asked, gain);
-            }
-            Some(changed) => {
-                if let Some(teaching) = self.judgement.judge(run.at, run.reason, asked, changed) {
-                    self.learners.teach(&teaching, false, &mut tell);
-                }
-            }
+        if let Some(gain) = gain {
+            self.judgement
+                .await_repayment(run.at, run.reason, asked, gain);
+        } else if let Some(changed) = judged.changed
+            && let Some(teaching) = self.judgement.judge(run.at, run.reason, asked, changed)
+        {
+            self.learners.teach(&teaching, false, &mut tell);
         }
         judged
     }
 
-    /// What became of the last run, where this one ends the time that it was given.
-    fn settle_last(&mut self, run: &Run, tell: &mut dyn FnMut(Input, &Label)) -> Option<bool> {
-        let off = self.prediction.axes().between(run.before, run.applied);
+    /// What became of the last run, where this one, whose command moved by `gain`, ends the time that
+    /// it was given.
+    fn settle_last(
+        &mut self,
+        now: Instant,
+        gain: OfAxes,
+        tell: &mut dyn FnMut(Input, &Label),
+    ) -> Option<bool> {
         let owed = self.prediction.owed();
-        let verdict = self.judgement.settle_early(run.at, owed, off)?;
+        let verdict = self.judgement.settle_early(now, owed, gain)?;
         Some(self.heed(&verdict, tell))
     }
 
@@ -446,7 +448,7 @@ impl Reactive {
 
     /// After a run: its samples, its command and its setpoint are the new references.
     ///
-    /// `command` is what the control logic came to, which the gate may have stopped. False where it
+    /// `command` is what the control logic computed; the gate may have stopped it. False where it
     /// refutes the predictions, so that commands are foreseen exactly until the next sounding.
     #[must_use]
     pub fn on_run(&mut self, run: &Run, command: &Mixed, setpoint: &Setpoint) -> bool {

@@ -56,7 +56,7 @@ pub struct Mixed {
     pub slack: f32,
 }
 
-/// What a [`Sharing`] came to.
+/// The result of a [`Sharing`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shared<const N: usize> {
     /// One command per motor.

@@ -166,18 +166,18 @@ impl Stamped {
             6 => Call::Timer,
             7 => Call::OrderDone(from.order()?, from.result()?),
             8 => Call::Refit(from.refit()?),
-            10 => Call::Column(Column {
-                feature: from.choice(Feature::from_number)?,
-                of_axes: from.floats()?,
-            }),
             9 => Call::Ran(Ran {
                 reason: from.choice(Reason::from_number)?,
                 asked: Inputs::from_bits(from.byte()?),
                 expected: Some(from.float()?).filter(|expected| !expected.is_nan()),
                 shares: from.shares()?,
             }),
-            12 => Call::Sounded,
+            10 => Call::Column(Column {
+                feature: from.choice(Feature::from_number)?,
+                of_axes: from.floats()?,
+            }),
             11 => Call::Judged(from.byte()? != 0),
+            12 => Call::Sounded,
             other => return Err(DecodeError::Unknown(other)),
         };
         Ok((Self { at, call }, bytes.len() - from.rest()))
@@ -217,10 +217,10 @@ fn kind(call: &Call) -> u8 {
         Call::Timer => 6,
         Call::OrderDone(..) => 7,
         Call::Refit(_) => 8,
-        Call::Column(_) => 10,
-        Call::Sounded => 12,
         Call::Ran(_) => 9,
+        Call::Column(_) => 10,
         Call::Judged(_) => 11,
+        Call::Sounded => 12,
     }
 }
 

@@ -54,9 +54,9 @@ impl<R: Recorder> Record<R> {
         }
     }
 
-    /// Takes note of a label.
-    pub(super) fn label(&mut self, input: Input, label: &Label) {
-        self.recorder.label(input, label);
+    /// Takes note of labels, one by one.
+    pub(super) fn labels(&mut self) -> impl FnMut(Input, &Label) {
+        |input, label| self.recorder.label(input, label)
     }
 
     /// Counts a fault.

@@ -1,4 +1,4 @@
-//! A graph as data, for whoever draws it or reports on it.
+//! A graph as data: drawings and reports are made of it.
 
 use super::Dirty;
 

@@ -9,9 +9,6 @@ use crate::sensors::{Input, Inputs};
 use crate::settings::{Feedback, Settings};
 use crate::time::{Instant, seconds, span};
 
-/// Inputs whose models promise that runs are worth it, where impulses count.
-const PROMISE: Inputs = Inputs::OF_IMU.without(Input::Owed);
-
 /// Counts runs in reactive control by their outcome.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Judgement {
@@ -102,8 +99,7 @@ impl Judgement {
 
     fn conclude(&mut self, now: Instant, owed: &Impulse, time: f32) -> Option<Verdict> {
         let run = self.awaited.take()?;
-        let repaid = owed.grown(run.gain, time).size() - owed.size();
-        let changed = repaid >= self.worth?;
+        let changed = owed.repaid(run.gain, time) >= self.worth?;
         let teaching = self.judge(now, run.reason, run.asked, changed);
         Some(Verdict { changed, teaching })
     }
@@ -126,14 +122,19 @@ impl Judgement {
             *count = count.saturating_add(1);
         }
         match reason {
-            // A budget promises nothing, and a chip is a second opinion.
-            Reason::Trigger if self.worth.is_some() && !PROMISE.meets(asked) => {}
-            Reason::Trigger if asked.contains(Input::Owed) => {}
+            Reason::Trigger if !self.is_promised(asked) => {}
             Reason::Trigger => self.limits.triggered(now, changed),
             Reason::Failsafe => self.limits.failsafe(now, changed),
             _ => {}
         }
         outcome.teaches(self.feedback, asked)
+    }
+
+    /// True where models promise that a run is worth it: where impulses count, a budget does not, and
+    /// a chip is a second opinion.
+    fn is_promised(&self, asked: Inputs) -> bool {
+        let by_models = !asked.contains(Input::Owed) && asked.meets(Inputs::OF_IMU);
+        self.worth.is_none() || by_models
     }
 
     /// A run begins a hyperperiod or more after it was due.

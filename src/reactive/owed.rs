@@ -67,6 +67,12 @@ impl Impulse {
         self.0.iter().fold(0.0, |most, axis| max(axis.abs(), most))
     }
 
+    /// By how much less is owed after a while (s) than with a command that is off by `gain` more: what
+    /// the run repaid that moved the command by it.
+    pub(super) fn repaid(&self, gain: OfAxes, time: f32) -> f32 {
+        self.grown(gain, time).size() - self.size()
+    }
+
     /// With a command that is off by so much for another while (s).
     pub(super) fn grown(mut self, off: OfAxes, time: f32) -> Self {
         for (sum, off) in self.0.iter_mut().zip(off) {
@@ -112,7 +118,7 @@ impl Course {
         done.then(|| owed_by(replaced) - owed_by(run.command))
     }
 
-    /// The command that it came to.
+    /// The command at its end.
     pub(super) fn command(&self) -> OfAxes {
         self.command
     }

@@ -61,7 +61,7 @@ pub struct Prediction {
     due: Instant,
     /// The rotation at the last run.
     rotation: Rotation,
-    /// The command that the control logic came to last.
+    /// The command that the control logic computed last.
     command: MotorShares,
     form: Form,
     /// What is owed as of the last sample.
@@ -131,7 +131,7 @@ impl Prediction {
 
     /// The control logic ran on a motion; its command is applied, and nothing owed any more.
     ///
-    /// The gate may apply another one than the control logic came to. False where its slopes are
+    /// The gate may apply another one than the control logic computed. False where its slopes are
     /// refuted.
     pub fn on_run(&mut self, command: &Mixed, applied: &MotorShares, motion: &Motion) -> bool {
         let sound = self.learn_from(command, motion);
@@ -148,7 +148,7 @@ impl Prediction {
         self.begin(command, held, motion);
     }
 
-    /// The control logic came to another command with no new motion: something joined it.
+    /// A setpoint or a place joined: the control logic's command changed with no new motion.
     pub fn on_joined(&mut self, command: &Mixed, motion: &Motion) {
         let jump = self.axes.between(&self.command, &command.shares);
         self.command = command.shares;

@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
-/// How the core came to a function.
+/// The way of calls and exceptions that led the core to a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Came {
     /// By an exception of this number; 0 is none, the thread that the others interrupt.
     Exception(u16),
     /// By a call.
     Call {
-        /// How the core came to the caller: its place in [`Tally::ways`].
+        /// The way that led to the caller: its place in [`Tally::ways`].
         caller: usize,
         /// Address of the call.
         at: u32,
@@ -25,7 +25,7 @@ pub struct Tally {
     pub to_ns: u64,
     /// Instructions in between by the board's own count.
     pub executed: u64,
-    /// Every way in which the core came to some function.
+    /// Every way that led the core to some function.
     pub ways: Vec<Came>,
     /// Instructions by way and address.
     pub counts: BTreeMap<(usize, u32), u64>,

@@ -14,7 +14,7 @@ use crate::firmware::Firmware;
 use crate::output_file::OutputFile;
 use crate::progress::Progress;
 
-/// What is flown, how, and what is told of it.
+/// Which flight is flown, on which tier, and how it is reported.
 #[derive(Clone, Debug, Args)]
 pub(super) struct FlyArguments {
     #[command(flatten)]

@@ -43,7 +43,7 @@ impl SharedMeter {
 #[derive(Debug)]
 struct Activation {
     exception: u16,
-    /// How the core came to the function that it executes.
+    /// The way that led to the function that the core executes.
     way: usize,
     /// Where each open call returns to, and the way of its caller.
     calls: Vec<(u32, usize)>,
