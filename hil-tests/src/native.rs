@@ -18,7 +18,7 @@
 mod agenda;
 mod board;
 mod events;
-mod line;
+mod serial_line;
 mod timing;
 mod vectors;
 mod wires;

@@ -35,7 +35,7 @@ type Drawn = Result<(), Box<dyn std::error::Error>>;
 /// Width and height of a panel, in the figure's units (a screen's pixels).
 const PANEL: (u32, u32) = (560, 430);
 /// Height of the title's and of the legend's line.
-const LINE: u32 = 38;
+const LINE_HEIGHT: u32 = 38;
 /// Margin around everything.
 const MARGIN: u32 = 12;
 /// Nearly black: softer than black on a screen, black in print.
@@ -62,7 +62,7 @@ impl Figure {
         let rows = self.panels.len().div_ceil(columns).max(1);
         let size = (
             PANEL.0 * columns as u32 + 2 * MARGIN,
-            PANEL.1 * rows as u32 + 2 * LINE + 2 * MARGIN,
+            PANEL.1 * rows as u32 + 2 * LINE_HEIGHT + 2 * MARGIN,
         );
         let mut svg = String::new();
         {
@@ -77,8 +77,8 @@ impl Figure {
         root.fill(&WHITE)?;
         let margin = MARGIN as i32;
         let page = root.margin(margin, margin, margin, margin);
-        let (title, rest) = page.split_vertically(LINE);
-        let (legend, body) = rest.split_vertically(LINE);
+        let (title, rest) = page.split_vertically(LINE_HEIGHT);
+        let (legend, body) = rest.split_vertically(LINE_HEIGHT);
         let at = (margin, 4);
         title.draw(&Text::new(plain(&self.title), at, bold(22)))?;
         draw_legend(&legend, &self.looks())?;
@@ -107,7 +107,7 @@ fn draw_legend(area: &Area<'_>, looks: &[&Look]) -> Drawn {
     const GAP: i32 = 8;
     const LETTER: i32 = 8;
     let mut x = MARGIN as i32;
-    let y = LINE as i32 / 2 - 4;
+    let y = LINE_HEIGHT as i32 / 2 - 4;
     for look in looks {
         look.draw_sample(area, (x, y), SAMPLE)?;
         x += SAMPLE + GAP;

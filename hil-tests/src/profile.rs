@@ -88,7 +88,7 @@ pub fn fly(
     };
     let flown = closed_loop::fly(scene, options, Flyer::Emulated(core), progress)?;
     let report = flown.report;
-    let counted = flown.counted.with_context(|| match report.crash_line() {
+    let counted = flown.counted.with_context(|| match report.crash_text() {
         Some(line) => format!("nothing was counted: {line}"),
         None => "the flight ended before its scored part, nothing was counted".to_owned(),
     })?;

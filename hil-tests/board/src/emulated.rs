@@ -41,7 +41,7 @@ mod tests;
 mod thumb;
 mod wiring;
 
-pub use reflex_f427::Line;
+pub use reflex_f427::SensorLine;
 pub use sensors::Sensors;
 
 use std::num::NonZeroU64;

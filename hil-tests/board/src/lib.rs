@@ -21,7 +21,7 @@ pub mod tally;
 use std::num::NonZeroU64;
 
 pub use elf::Elf;
-pub use emulated::Line;
+pub use emulated::SensorLine;
 pub use fault::{Fault, FaultKind};
 pub use log::LogLine;
 pub use motors::{MOTORS, MotorWrite};
@@ -39,7 +39,7 @@ pub struct Edge {
     /// When, in ns.
     pub at_ns: u64,
     /// Which line.
-    pub line: Line,
+    pub line: SensorLine,
     /// Whether the line became active.
     pub rising: bool,
 }

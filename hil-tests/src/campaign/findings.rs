@@ -171,7 +171,7 @@ fn is_undecided(records: &Records, sortie: &Sortie) -> bool {
 }
 
 fn crash(landed: &Landed) -> Option<String> {
-    let line = landed.report.crash_line()?;
+    let line = landed.report.crash_text()?;
     Some(format!("{}: {line}", landed.job.sortie))
 }
 

@@ -23,7 +23,7 @@ use crate::record::{Alignment, CountedFrom, Mirror, Observation};
 use crate::scoring::MotorDigest;
 use chip_models::{ChipOptions, SharedChips, StimulusSource};
 use emulated_board::emulated::{EmulatedBoard, Sensors};
-use emulated_board::{Board, Elf, Line, Options};
+use emulated_board::{Board, Elf, SensorLine, Options};
 
 /// The shortest time between two samples of the MPU6050: 1 ms less its clock's tolerance.
 const SHORTEST_PERIOD_NS: u64 = 950_000 / reflex::config::IMU_RATE as u64 * 1_000;
@@ -135,7 +135,7 @@ impl Tier for EmulatedTier {
     /// Between the run that answers a sample and the next sample's there is time; a run of the
     /// failsafe's timer in it would come late by half a step.
     fn soonest_command_ns(&self) -> u64 {
-        let samples = &self.observation.edges[Line::ImuReady as usize];
+        let samples = &self.observation.edges[SensorLine::ImuReady as usize];
         let newest_ns = samples.last().copied().unwrap_or_default();
         let answered = self.observation.motors.last();
         let answered = answered.is_some_and(|write| write.at_ns >= newest_ns);

@@ -122,7 +122,7 @@ impl FlightReport {
 
     /// The crash in one line.
     #[must_use]
-    pub fn crash_line(&self) -> Option<String> {
+    pub fn crash_text(&self) -> Option<String> {
         let crash = self.crash.as_ref()?;
         let [north, east, down] = crash.position_m;
         let [roll, pitch, yaw] = crash.attitude_deg;
@@ -196,7 +196,7 @@ pub fn summary(report: &FlightReport) -> String {
             or_dash(minutes, 1)
         ),
     ];
-    if let Some(crash) = report.crash_line() {
+    if let Some(crash) = report.crash_text() {
         lines.push(format!("CRASHED          {crash}"));
     }
     lines.push(format!("digest           {}", report.digest));

@@ -40,7 +40,7 @@ fn every_logic_stays_up_in_wind_with_either_policy() {
     for logic in LogicName::value_variants() {
         for policy in [Policy::Reactive, Policy::Periodic] {
             let report = flown("arch", &options(*logic, policy, 3));
-            assert_eq!(report.crash_line(), None, "{logic:?} {policy:?}");
+            assert_eq!(report.crash_text(), None, "{logic:?} {policy:?}");
             let pitch = report.attitude_error_deg.pitch.unwrap();
             assert!(pitch < 15.0, "{logic:?} {policy:?} pitch {pitch}");
             assert!(report.flight_time_s.unwrap() > 300.0);
@@ -115,7 +115,7 @@ fn the_firmware_flies_in_closed_loop_and_comes_to_the_hosts_commands_bit_by_bit(
         fly(&scene, &options, flyer, &mut Silent).unwrap().report
     };
     let report = fly();
-    assert_eq!(report.crash_line(), None);
+    assert_eq!(report.crash_text(), None);
     assert!(report.control.by_reason.trigger > 0);
     let busy = report.cpu.unwrap().busy_fraction;
     assert!((0.01..0.9).contains(&busy), "{busy}");
@@ -146,7 +146,7 @@ fn the_same_firmware_flies_another_airframe_with_faster_loops() {
         &mut Silent,
     )
     .unwrap();
-    assert_eq!(flown.report.crash_line(), None);
+    assert_eq!(flown.report.crash_text(), None);
     assert_eq!(flown.report.airframe, "hexa_x");
     assert!(flown.report.control.by_reason.trigger > 0);
     assert!(flown.report.attitude_error_deg.roll.unwrap() < 5.0);

@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &FlyArguments) -> Result<()> {
     } else {
         report::summary(report)
     })?;
-    match report.crash_line() {
+    match report.crash_text() {
         None => Ok(()),
         Some(line) => bail!("{line}"),
     }

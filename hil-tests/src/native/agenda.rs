@@ -8,9 +8,9 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Event {
     /// The MPU6050's interrupt pin may change.
-    ImuLine,
+    ImuInterrupt,
     /// The interrupt pin of a die with a clock of its own may change.
-    DieLine,
+    DieInterrupt,
     /// A burst of the MPU6050 has been received.
     Burst,
     /// The MPU6050 was configured anew.
@@ -31,8 +31,8 @@ pub(super) enum Event {
 
 impl Event {
     const ALL: [Self; 10] = [
-        Self::ImuLine,
-        Self::DieLine,
+        Self::ImuInterrupt,
+        Self::DieInterrupt,
         Self::Burst,
         Self::Repaired,
         Self::Hyperperiod,

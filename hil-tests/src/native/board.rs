@@ -22,7 +22,7 @@ use reflex_drivers::legacy_hal::Lent;
 use reflex_drivers::mpu6050::{ADDRESS, BURST_LENGTH, Mpu6050 as Mpu6050Driver};
 
 use super::agenda::{Agenda, Event};
-use super::line::Line;
+use super::serial_line::SerialLine;
 use super::timing::{
     ARRIVAL_NS, BOOT_NS, CHIPS_START_NS, IMU_START_NS, IMU_WAKE_NS, SHORTEST_BURST_NS, clock,
 };
@@ -76,7 +76,7 @@ pub(crate) struct NativeBoard {
     /// The owner was raised again meanwhile.
     pub(super) raised_again: bool,
 
-    pub(super) link: Link<Line>,
+    pub(super) link: Link<SerialLine>,
 
     pub(super) refit: Option<Refit>,
 }
@@ -117,7 +117,7 @@ impl NativeBoard {
             fetches: Fetches::default(),
             done: None,
             raised_again: false,
-            link: Link::new(Line::new(frames), start.airframe.count()),
+            link: Link::new(SerialLine::new(frames), start.airframe.count()),
             refit: None,
         };
         board.start_up();
@@ -148,8 +148,8 @@ impl NativeBoard {
             self.now_ns = self.now_ns.max(at_ns);
             self.vectors.now = clock(self.now_ns);
             match event {
-                Event::ImuLine => self.on_imu_line(),
-                Event::DieLine => self.on_die_line(),
+                Event::ImuInterrupt => self.on_imu_interrupt(),
+                Event::DieInterrupt => self.on_die_interrupt(),
                 Event::Burst => self.on_burst(),
                 Event::Repaired => self.on_repaired(),
                 Event::Hyperperiod | Event::LateHyperperiod => self.on_hyperperiod(),
@@ -165,7 +165,7 @@ impl NativeBoard {
     /// The soonest that control may run again, ns: what is under way leads to no run before.
     pub(crate) fn soonest_run_ns(&self) -> u64 {
         let due_ns = |event| self.agenda.due_ns(event);
-        let sample_ns = due_ns(Event::ImuLine).saturating_add(SHORTEST_BURST_NS);
+        let sample_ns = due_ns(Event::ImuInterrupt).saturating_add(SHORTEST_BURST_NS);
         let soonest = [
             sample_ns
                 .min(due_ns(Event::Burst))
@@ -197,7 +197,7 @@ impl NativeBoard {
     }
 
     pub(super) fn watch_imu(&mut self) {
-        self.agenda.set(Event::ImuLine, self.imu.next_ns());
+        self.agenda.set(Event::ImuInterrupt, self.imu.next_ns());
     }
 
     /// What is seen of the chips with clocks of their own now.
@@ -208,6 +208,6 @@ impl NativeBoard {
 
     pub(super) fn watch_chips(&mut self) {
         let next_ns = self.dies.iter().map(Wire::next_ns).fold(u64::MAX, u64::min);
-        self.agenda.set(Event::DieLine, next_ns);
+        self.agenda.set(Event::DieInterrupt, next_ns);
     }
 }

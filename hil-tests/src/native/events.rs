@@ -19,7 +19,7 @@ use super::timing::{
 
 impl NativeBoard {
     /// Stamps the sample and starts its burst.
-    pub(super) fn on_imu_line(&mut self) {
+    pub(super) fn on_imu_interrupt(&mut self) {
         if let Some(at_ns) = self.imu.hear(self.now_ns)
             && !self.agenda.is_noted(Event::Repaired)
         {
@@ -113,7 +113,7 @@ impl NativeBoard {
     }
 
     /// Stamps an interrupt of a die with a clock of its own and asks for its sample.
-    pub(super) fn on_die_line(&mut self) {
+    pub(super) fn on_die_interrupt(&mut self) {
         for (place, input) in Input::OF_CHIPS.into_iter().enumerate() {
             if let Some(at_ns) = self.dies[place].hear(self.now_ns) {
                 self.ask_for_sample(input, at_ns);

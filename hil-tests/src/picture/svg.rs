@@ -22,7 +22,7 @@ const FONT: usize = 12;
 /// Width of a letter at most on average, as a share of its size.
 const LETTER: f64 = 0.62;
 /// Height of a line of text, in px.
-const LINE: f64 = 16.0;
+const LINE_HEIGHT: f64 = 16.0;
 /// Between text and edge of a box, in px.
 const MARGIN: f64 = 10.0;
 /// Height of title and legend, in px.
@@ -76,7 +76,7 @@ fn element(shape: &Shape, direction: Orientation) -> Element {
     let label = shape.label.join("\n");
     let size = Point::new(
         widest(&label) + 2.0 * MARGIN,
-        LINE * shape.label.len() as f64 + 2.0 * MARGIN,
+        LINE_HEIGHT * shape.label.len() as f64 + 2.0 * MARGIN,
     );
     Element::create_with_properties(ShapeKind::new_box(&label), look, direction, size, shape.doc)
 }
@@ -227,7 +227,7 @@ impl RenderBackend for Canvas {
     fn draw_text(&mut self, xy: Point, text: &str, _look: &StyleAttr) {
         let lines = text.lines().count() as f64;
         // Letters stand on their line, a third of their size below their middle.
-        let mut y = xy.y - (lines - 1.0) / 2.0 * LINE + FONT as f64 / 3.0;
+        let mut y = xy.y - (lines - 1.0) / 2.0 * LINE_HEIGHT + FONT as f64 / 3.0;
         for (place, line) in text.lines().enumerate() {
             let weight = if place == 0 {
                 " font-weight=\"bold\""
@@ -241,7 +241,7 @@ impl RenderBackend for Canvas {
                 xy.x,
                 escaped(line)
             );
-            y += LINE;
+            y += LINE_HEIGHT;
         }
     }
 

@@ -10,7 +10,7 @@ use reflex::settings::MotorProtocol;
 
 use super::motor_timers::exact_pulse_ns;
 use super::observation::Observation;
-use emulated_board::Line;
+use emulated_board::SensorLine;
 
 /// A pulse may be this far from the command, in ns: one tick and rounding.
 const PULSE_SLACK_NS: f64 = 60.0;
@@ -61,7 +61,7 @@ impl Alignment {
 
     /// Finds every run's interrupt, and with them where the clock starts to the microsecond.
     fn match_edges(&mut self, observation: &Observation) {
-        let edges = &observation.edges[Line::ImuReady as usize];
+        let edges = &observation.edges[SensorLine::ImuReady as usize];
         let stamps = newest_samples(observation);
         // A write comes at most some 100 us behind the run's stamp, a tenth of a period.
         let rough = self.clock_start_us;

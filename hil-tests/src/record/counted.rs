@@ -3,7 +3,7 @@
 use reflex::app::Call;
 
 use super::Observation;
-use emulated_board::{Board, Line, Outcome, Tally};
+use emulated_board::{Board, SensorLine, Outcome, Tally};
 
 /// Every instruction from an instant to the end of a flight.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,5 +49,5 @@ impl CountedFrom {
 }
 
 fn samples(observation: &Observation) -> usize {
-    observation.edges[Line::ImuReady.pin() as usize].len()
+    observation.edges[SensorLine::ImuReady.pin() as usize].len()
 }

@@ -9,7 +9,7 @@ use reflex::app::Stamped;
 
 use super::call_stream::CallStream;
 use crate::output_file::OutputFile;
-use emulated_board::{Edge, Hit, Line, LogLine, MotorWrite, Observer};
+use emulated_board::{Edge, Hit, SensorLine, LogLine, MotorWrite, Observer};
 
 /// Handlers on the way from the gyro's interrupt to the motors, in order.
 ///
@@ -20,7 +20,7 @@ pub(crate) const WAY: [&str; 3] = ["EXTI0", "DMA1_STREAM0", "CAN2_TX"];
 pub(crate) struct Observation {
     pub(crate) motors: Vec<MotorWrite>,
     /// Rising edges of each line, in ns.
-    pub(crate) edges: [Vec<u64>; Line::ALL.len()],
+    pub(crate) edges: [Vec<u64>; SensorLine::ALL.len()],
     /// When each of the watched handlers was entered, in ns.
     pub(crate) entries: [Vec<u64>; WAY.len()],
     pub(crate) calls: Vec<Stamped>,

@@ -17,7 +17,7 @@ use crate::scoring::{
     Gap, ModelState, Options, RunReport, Sensor, SetpointSource, Tier, latencies,
 };
 use chip_models::DIES;
-use emulated_board::Line;
+use emulated_board::SensorLine;
 use recorded_flights::{Flight, Setpoints};
 
 /// What was observed of the chips, in ns of the board's time.
@@ -25,7 +25,7 @@ pub(crate) struct ChipEvidence<'r> {
     /// When what is scored begins.
     pub(crate) from_ns: u64,
     /// Rising edges of each line.
-    pub(crate) edges: [&'r [u64]; Line::ALL.len()],
+    pub(crate) edges: [&'r [u64]; SensorLine::ALL.len()],
     /// Looks at the chips; the last at the end.
     pub(crate) looks: &'r [Look],
 }
@@ -94,7 +94,7 @@ impl Evidence<'_, '_> {
         let since =
             |edges: &[u64]| (edges.len() - edges.partition_point(|at| *at <= chips.from_ns)) as u64;
         let chip = Input::OF_CHIPS.into_iter().position(|chip| chip == input);
-        let line = chip.map_or(Line::ImuReady, |chip| Line::OF_DIES[chip]);
+        let line = chip.map_or(SensorLine::ImuReady, |chip| SensorLine::OF_DIES[chip]);
         let specimens = chip_options(self.flight, self.options);
         let present = chip.is_none_or(|chip| (DIES[chip].is_present)(specimens.present));
         let interrupts = since(chips.edges[line as usize]);

@@ -26,7 +26,7 @@ use super::pwm_timer::{CHANNELS, PwmTimer};
 use super::reflex_f427::{CRYSTAL_HZ, LINE_PORT_NUMBER, LINK_USART, MOTOR_TIMERS, PULLED_UP};
 use super::sensors::Sensors;
 use super::syscfg::Syscfg;
-use crate::{Edge, Line};
+use crate::{Edge, SensorLine};
 
 /// Supply of the processor, in mV.
 const SUPPLY_MV: u32 = 3_300;
@@ -51,7 +51,7 @@ pub(super) struct Part {
     slots: Slots,
     sensors: Sensors,
     pub(super) link: Link,
-    levels: [bool; Line::ALL.len()],
+    levels: [bool; SensorLine::ALL.len()],
     next_change_ns: u64,
     armed_ns: u64,
     /// Edges since the run loop last took them.
@@ -81,7 +81,7 @@ impl Part {
             slots,
             sensors,
             link,
-            levels: [false; Line::ALL.len()],
+            levels: [false; SensorLine::ALL.len()],
             next_change_ns: 0,
             armed_ns: u64::MAX,
             edges: Vec::new(),
@@ -102,7 +102,7 @@ impl Part {
         for (port, pin) in PULLED_UP {
             self.drive_pin(at, port, pin, true);
         }
-        for line in Line::ALL {
+        for line in SensorLine::ALL {
             self.drive_pin(at, LINE_PORT_NUMBER, line.pin(), self.levels[line as usize]);
         }
     }
@@ -128,7 +128,7 @@ impl Part {
             return;
         }
         let ports = self.syscfg.ports();
-        for line in Line::ALL {
+        for line in SensorLine::ALL {
             let (index, rising) = (line as usize, levels[line as usize]);
             if rising == self.levels[index] {
                 continue;
@@ -150,7 +150,7 @@ impl Part {
 
     fn reselect_lines(&mut self) {
         let ports = self.syscfg.ports();
-        for line in Line::ALL {
+        for line in SensorLine::ALL {
             let heard = usize::from(ports[usize::from(line.pin())]) == LINE_PORT_NUMBER;
             self.exti
                 .reselect(line.pin(), heard && self.levels[line as usize]);

@@ -34,7 +34,7 @@ pub(super) const SELECTS: OfDies<Wire> = [
 
 /// An interrupt line from a sensor to the processor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Line {
+pub enum SensorLine {
     /// MPU6050 INT on PC0.
     ImuReady,
     /// LSM303AGR INT_1_XL on PC1.
@@ -43,7 +43,7 @@ pub enum Line {
     MagEvent,
 }
 
-impl Line {
+impl SensorLine {
     /// Every line, in the order of its pin.
     pub const ALL: [Self; 1 + DIES.len()] = [Self::ImuReady, Self::AccelThreshold, Self::MagEvent];
 
@@ -131,7 +131,7 @@ const BUSES: [Wire; 7] = [
 
 /// Wires of which the firmware configures the pin, but for those of motors.
 pub(super) fn wires() -> impl Iterator<Item = Wire> {
-    let lines = Line::ALL.map(Line::wire);
+    let lines = SensorLine::ALL.map(SensorLine::wire);
     BUSES.into_iter().chain(SELECTS).chain(lines)
 }
 

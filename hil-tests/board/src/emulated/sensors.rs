@@ -14,7 +14,7 @@ use rigless::soc::stm32f427::Stm32f427;
 use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::soc::stm32f427::peripherals::spi::Select;
 
-use super::reflex_f427::{CHIPS_SPI, IMU_I2C, Line, SELECTS, Wire};
+use super::reflex_f427::{CHIPS_SPI, IMU_I2C, SensorLine, SELECTS, Wire};
 use chip_models::{I2cChip, OfDies, SharedChips, SpiChip};
 
 /// The chips of the board, each shared with its owner.
@@ -65,12 +65,12 @@ impl Sensors {
     }
 
     /// Level of every interrupt line, and when one of them may change next.
-    pub(super) fn lines(&self) -> ([bool; Line::ALL.len()], u64) {
+    pub(super) fn lines(&self) -> ([bool; SensorLine::ALL.len()], u64) {
         let imu = lock(&self.imu);
-        let mut levels = [false; Line::ALL.len()];
-        levels[Line::ImuReady as usize] = imu.interrupt();
+        let mut levels = [false; SensorLine::ALL.len()];
+        levels[SensorLine::ImuReady as usize] = imu.interrupt();
         let mut next_ns = imu.next_event();
-        for (die, line) in self.dies.iter().zip(Line::OF_DIES) {
+        for (die, line) in self.dies.iter().zip(SensorLine::OF_DIES) {
             let die = lock(die);
             levels[line as usize] = die.interrupt();
             next_ns = next_ns.min(die.next_event());

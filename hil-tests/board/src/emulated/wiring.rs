@@ -9,7 +9,7 @@ use rigless::mcu::Mcu;
 use rigless::soc::stm32f427::generated::{dma2, exti, gpioa};
 
 use super::part::Part;
-use super::reflex_f427::{LINE_PORT, LINE_PORT_NUMBER, Line, Use, Wire, motor_wire, wires};
+use super::reflex_f427::{LINE_PORT, LINE_PORT_NUMBER, SensorLine, Use, Wire, motor_wire, wires};
 use crate::motors::MOTORS;
 
 /// Core-coupled memory, which the DMA controllers do not reach.
@@ -103,7 +103,7 @@ fn line_problems(part: &Part) -> Vec<String> {
     };
     let mask = registers.get(exti::Register::Imr);
     let ports = part.syscfg.ports();
-    let wrong = Line::ALL.into_iter().filter_map(|line| {
+    let wrong = SensorLine::ALL.into_iter().filter_map(|line| {
         let pin = line.pin();
         let port = ports[usize::from(pin)];
         (mask >> pin & 1 != 0 && usize::from(port) != LINE_PORT_NUMBER).then(|| {

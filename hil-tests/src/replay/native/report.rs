@@ -11,7 +11,7 @@ use crate::replay::options::ReplayOptions;
 use crate::replay::report::{ChipEvidence, Evidence, scored_from_us};
 use crate::replay::timeline::Timeline;
 use crate::scoring::{MotorDigest, RunReport, Tier};
-use emulated_board::Line;
+use emulated_board::SensorLine;
 use recorded_flights::{Flight, Setpoints};
 
 /// The report of a board that flew to its end.
@@ -29,9 +29,9 @@ pub(super) fn report(
             _ => None,
         })
         .collect();
-    let mut edges = [const { Vec::new() }; Line::ALL.len()];
-    edges[Line::ImuReady as usize] = board.imu.with(|wired| wired.rises.clone());
-    for (line, wire) in Line::OF_DIES.into_iter().zip(&board.dies) {
+    let mut edges = [const { Vec::new() }; SensorLine::ALL.len()];
+    edges[SensorLine::ImuReady as usize] = board.imu.with(|wired| wired.rises.clone());
+    for (line, wire) in SensorLine::OF_DIES.into_iter().zip(&board.dies) {
         edges[line as usize] = wire.with(|wired| wired.rises.clone());
     }
     let evidence = Evidence {

@@ -8,7 +8,7 @@ use super::program::{
 use super::{Pulse, sensors};
 use crate::emulated::EmulatedBoard;
 use crate::{
-    Board, Came, Edge, Elf, Fault, FaultKind, Feed, Hit, Line, LogLine, MotorWrite, Observer,
+    Board, Came, Edge, Elf, Fault, FaultKind, Feed, Hit, SensorLine, LogLine, MotorWrite, Observer,
     Options, Outcome, Watched,
 };
 
@@ -123,7 +123,7 @@ fn pins_and_motors_are_reported_at_their_instants_and_again_the_same() {
     let [rise, fall] = told.edges[..] else {
         panic!("{told:?}")
     };
-    let line = Line::ImuReady;
+    let line = SensorLine::ImuReady;
     assert_eq!(
         rise,
         Edge {

@@ -1,4 +1,4 @@
-//! The receiving line of the link: frames of given instants, at the line's rate.
+//! The serial line, as the drone receives it: frames of given instants, at its rate.
 
 use std::collections::VecDeque;
 
@@ -9,20 +9,20 @@ use super::timing::{BOOT_NS, CHARACTER_NS};
 
 /// Frames to come, the one on the line, and the bytes that were received.
 #[derive(Debug)]
-pub(super) struct Line {
+pub(super) struct SerialLine {
     waiting: VecDeque<LinkFrame>,
-    on_line: Option<LinkFrame>,
+    under_way: Option<LinkFrame>,
     /// When the line falls idle behind the frame on it, ns.
     free_ns: u64,
     received: VecDeque<u8>,
 }
 
-impl Line {
+impl SerialLine {
     /// Frames in order of time.
     pub(super) fn new(frames: Vec<LinkFrame>) -> Self {
         Self {
             waiting: frames.into(),
-            on_line: None,
+            under_way: None,
             free_ns: 0,
             received: VecDeque::new(),
         }
@@ -34,7 +34,7 @@ impl Line {
     }
 
     pub(super) fn is_idle(&self) -> bool {
-        self.on_line.is_none()
+        self.under_way.is_none()
     }
 
     /// Puts the next frame on the line, and says when its end is noticed, ns. Frames that were
@@ -48,20 +48,20 @@ impl Line {
         };
         let start_ns = frame.at_ns.max(self.free_ns);
         self.free_ns = start_ns + frame.bytes.len() as u64 * CHARACTER_NS;
-        self.on_line = Some(frame);
+        self.under_way = Some(frame);
         // The receiver takes the line for idle after one character more, and says so after another.
         Some(self.free_ns + 2 * CHARACTER_NS)
     }
 
     /// The frame on the line has been received.
     pub(super) fn receive(&mut self) {
-        if let Some(frame) = self.on_line.take() {
+        if let Some(frame) = self.under_way.take() {
             self.received.extend(frame.bytes);
         }
     }
 }
 
-impl Port for Line {
+impl Port for SerialLine {
     fn take(&mut self, into: &mut [u8]) -> Result<usize, Overrun> {
         let count = self.received.len().min(into.len());
         for (place, byte) in into.iter_mut().zip(self.received.drain(..count)) {
