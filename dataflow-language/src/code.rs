@@ -42,7 +42,7 @@ pub fn start(plan: &Plan) -> TokenStream {
         });
         quote!(let #name: #of_type = #expression;)
     };
-    let made = plan.made_params().map(|(value, it)| here(value, it));
+    let derived = plan.derived_params().map(|(value, it)| here(value, it));
     let given = plan.marked().filter(|it| !it.is_plain_node());
     let given = given.map(|value| {
         let (name, of_type, starting) = (&value.name, &value.of_type, starting(value));
@@ -50,7 +50,7 @@ pub fn start(plan: &Plan) -> TokenStream {
     });
     let nodes = plan.computed().filter(|(value, _)| value.is_plain_node());
     let nodes = nodes.map(|(value, it)| here(value, &it.expression));
-    quote!(#(#made)* #(#given)* #(#nodes)*)
+    quote!(#(#derived)* #(#given)* #(#nodes)*)
 }
 
 /// `Default` for a graph that needs no parameters.

@@ -44,7 +44,7 @@ pub enum Source {
 /// `param NAME: TYPE;` or `param NAME: TYPE = EXPRESSION;`
 pub struct Param {
     /// What it is made of whenever another parameter is set.
-    pub made_of: Option<Box<Expression>>,
+    pub derivation: Option<Box<Expression>>,
 }
 
 /// `input NAME: TYPE, at RATE, gates, triggers;`
@@ -135,7 +135,7 @@ impl Value {
     /// What it is computed or made by, whichever kind it is.
     pub fn expression(&self) -> Option<&Expression> {
         match &self.source {
-            Source::Param(param) => param.made_of.as_deref(),
+            Source::Param(param) => param.derivation.as_deref(),
             Source::Input(_) => None,
             Source::Computed(computed) => Some(&computed.expression),
         }

@@ -45,15 +45,14 @@ impl Parse for Graph {
 impl Parse for Value {
     fn parse(stream: ParseStream) -> Result<Self> {
         let docs = stream.call(Attribute::parse_outer)?;
-        let keyword = stream.call(Ident::parse_any)?;
-        let line = Line::of(&keyword)?;
+        let keyword = Keyword::of(&stream.call(Ident::parse_any)?)?;
         let name: Ident = stream.parse()?;
         stream.parse::<Token![:]>()?;
         let of_type: Type = stream.parse()?;
-        let has_expression = match line {
-            Line::Input => false,
-            Line::Param => stream.peek(Token![=]),
-            Line::State | Line::Node | Line::Output => true,
+        let has_expression = match keyword {
+            Keyword::Input => false,
+            Keyword::Param => stream.peek(Token![=]),
+            Keyword::State | Keyword::Node | Keyword::Output => true,
         };
         let expression = if has_expression {
             stream.parse::<Token![=]>()?;
@@ -67,13 +66,13 @@ impl Parse for Value {
             clauses.parse(stream)?;
         }
         stream.parse::<Token![;]>()?;
-        clauses.finish(line, docs, name, of_type, expression)
+        clauses.finish(keyword, docs, name, of_type, expression)
     }
 }
 
-/// What a line declares.
+/// The first word of a line: what it keyword.
 #[derive(Clone, Copy, PartialEq)]
-enum Line {
+enum Keyword {
     Param,
     Input,
     State,
@@ -81,16 +80,16 @@ enum Line {
     Output,
 }
 
-impl Line {
-    fn of(keyword: &Ident) -> Result<Self> {
-        match keyword.to_string().as_str() {
+impl Keyword {
+    fn of(word: &Ident) -> Result<Self> {
+        match word.to_string().as_str() {
             "param" => Ok(Self::Param),
             "input" => Ok(Self::Input),
             "state" => Ok(Self::State),
             "node" => Ok(Self::Node),
             "output" => Ok(Self::Output),
             other => Err(Error::new(
-                keyword.span(),
+                word.span(),
                 format!("`{other}` declares nothing: {LINES}"),
             )),
         }
@@ -106,7 +105,7 @@ impl Line {
         }
     }
 
-    /// The clauses that make sense in this line.
+    /// True where a clause has a meaning in its line.
     fn knows(self, clause: &str) -> bool {
         match clause {
             "at" | "every" | "gates" | "triggers" | "joins" => self == Self::Input,
@@ -164,26 +163,26 @@ impl Clauses {
 
     fn finish(
         self,
-        line: Line,
+        keyword: Keyword,
         docs: Vec<Attribute>,
         name: Ident,
         of_type: Type,
         expression: Option<Expression>,
     ) -> Result<Value> {
         for clause in &self.seen {
-            if !line.knows(&clause.to_string()) {
-                let message = format!("`{clause}` means nothing for {}", line.word());
+            if !keyword.knows(&clause.to_string()) {
+                let message = format!("`{clause}` means nothing for {}", keyword.word());
                 return Err(Error::new(clause.span(), message));
             }
         }
         let starting = self.starting.clone();
-        let source = match (line, expression) {
-            (Line::Param, made_of) => Source::Param(Param {
-                made_of: made_of.map(Box::new),
+        let source = match (keyword, expression) {
+            (Keyword::Param, derivation) => Source::Param(Param {
+                derivation: derivation.map(Box::new),
             }),
             (_, None) => Source::Input(self.input(&name)?),
             (_, Some(expression)) => {
-                Source::Computed(Box::new(self.computed(line, &name, expression)?))
+                Source::Computed(Box::new(self.computed(keyword, &name, expression)?))
             }
         };
         Ok(Value {
@@ -218,14 +217,14 @@ impl Clauses {
         })
     }
 
-    fn computed(self, line: Line, name: &Ident, expression: Expression) -> Result<Computed> {
-        let kind = match (line, self.clock) {
-            (Line::State, Some(clock)) => Kind::State { clock },
-            (Line::State, None) => {
+    fn computed(self, keyword: Keyword, name: &Ident, expression: Expression) -> Result<Computed> {
+        let kind = match (keyword, self.clock) {
+            (Keyword::State, Some(clock)) => Kind::State { clock },
+            (Keyword::State, None) => {
                 let message = format!("state `{name}` has no clock: add `clocked by INPUT`");
                 return Err(Error::new(name.span(), message));
             }
-            (Line::Output, _) => Kind::Output,
+            (Keyword::Output, _) => Kind::Output,
             _ => Kind::Node,
         };
         Ok(Computed {

@@ -51,15 +51,15 @@ impl<'a> Plan<'a> {
     pub fn params(&self) -> impl Iterator<Item = &'a Value> {
         let given = self.graph.values.iter();
         let given = given.filter(|it| it.is_param() && it.expression().is_none());
-        given.chain(self.made_params().map(|(value, _)| value))
+        given.chain(self.derived_params().map(|(value, _)| value))
     }
 
     /// The parameters that are made of others, in an order in which they can be.
-    pub fn made_params(&self) -> impl Iterator<Item = (&'a Value, &'a Expression)> {
+    pub fn derived_params(&self) -> impl Iterator<Item = (&'a Value, &'a Expression)> {
         self.order.iter().filter_map(|place| {
             let value = &self.graph.values[*place];
-            let made_of = value.expression().filter(|_| value.is_param());
-            made_of.map(|made_of| (value, made_of))
+            let derivation = value.expression().filter(|_| value.is_param());
+            derivation.map(|derivation| (value, derivation))
         })
     }
 
@@ -163,7 +163,7 @@ impl<'a> Plan<'a> {
             return Err(Error::new(name.span(), message));
         }
         if value.is_param() {
-            return self.check_made(value, expression);
+            return self.check_derived(value, expression);
         }
         let mut reads = expression.reads.iter();
         if reads.all(|read| self.value(&read.name).is_param()) {
@@ -185,8 +185,8 @@ impl<'a> Plan<'a> {
     }
 
     /// A parameter is made of parameters.
-    fn check_made(&self, value: &Value, made_of: &Expression) -> Result<()> {
-        let mut reads = made_of.reads.iter();
+    fn check_derived(&self, value: &Value, derivation: &Expression) -> Result<()> {
+        let mut reads = derivation.reads.iter();
         let Some(read) = reads.find(|it| it.last || !self.value(&it.name).is_param()) else {
             return Ok(());
         };

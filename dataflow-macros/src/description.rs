@@ -38,7 +38,7 @@ pub fn of_type(plan: &Plan) -> TokenStream {
 fn described(plan: &Plan, value: &Value, source: &TokenStream) -> TokenStream {
     let name = value.name.to_string();
     let doc = first_line(&value.docs);
-    let of_type = words(&value.of_type);
+    let of_type = source_text(&value.of_type);
     let (mark, rate) = (mark(&value.name), constants::rate(plan, value));
     quote! {
         ::reflex::dataflow::Described {
@@ -61,7 +61,7 @@ fn of_computed(plan: &Plan, computed: &Computed) -> TokenStream {
         Kind::Node => quote!(Node),
         Kind::Output => quote!(Output),
     };
-    let function = words(&computed.expression.function());
+    let function = source_text(&computed.expression.function());
     let reads = computed
         .reads()
         .filter(|it| !plan.value(&it.name).is_param());
@@ -84,12 +84,12 @@ fn of_computed(plan: &Plan, computed: &Computed) -> TokenStream {
 }
 
 /// Tokens as somebody would write them.
-fn words(tokens: &impl ToTokens) -> String {
-    let words = tokens.to_token_stream().to_string();
+fn source_text(tokens: &impl ToTokens) -> String {
+    let text = tokens.to_token_stream().to_string();
     [" < ", "< ", " <", " > ", " >", " :: ", " , "]
         .into_iter()
         .zip(["<", "<", "<", ">", ">", "::", ", "])
-        .fold(words, |words, (from, to)| words.replace(from, to))
+        .fold(text, |text, (from, to)| text.replace(from, to))
 }
 
 /// The first line of a documentation.

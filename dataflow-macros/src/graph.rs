@@ -64,18 +64,18 @@ fn params(plan: &Plan) -> TokenStream {
         let (name, of_type) = (&value.name, &value.of_type);
         let setter = format_ident!("set_{}", name);
         let doc = format!("Sets `{name}`, which counts from the next run on and asks for none.");
-        let made = plan
-            .made_params()
-            .filter(|(made, _)| plan.needed_now(made).contains(&plan.place(name)))
-            .map(|(made, expression)| {
-                let (name, expression) = (&made.name, expression.with(stored));
+        let derived = plan
+            .derived_params()
+            .filter(|(value, _)| plan.needed_now(value).contains(&plan.place(name)))
+            .map(|(value, expression)| {
+                let (name, expression) = (&value.name, expression.with(stored));
                 quote!(self.#name = #expression;)
             });
         quote! {
             #[doc = #doc]
             pub fn #setter(&mut self, #name: #of_type) {
                 self.#name = #name;
-                #(#made)*
+                #(#derived)*
             }
         }
     });
@@ -114,8 +114,8 @@ fn setters(plan: &Plan) -> TokenStream {
 /// Every value, as last propagated; inputs and parameters as last set.
 fn getters(plan: &Plan) -> TokenStream {
     let values = plan.graph.values.iter();
-    let told = values.filter(|it| !it.is_param() || it.expression().is_none());
-    let getters = told.map(|value| {
+    let readable = values.filter(|it| !it.is_param() || it.expression().is_none());
+    let getters = readable.map(|value| {
         let (docs, name, of_type) = (&value.docs, &value.name, &value.of_type);
         quote! {
             #(#docs)*
