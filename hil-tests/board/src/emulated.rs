@@ -98,11 +98,11 @@ impl EmulatedBoard {
         };
         let session = Session::new(Box::new(rig), 0, VirtualNanos(0))?;
         let (commands, obeyed) = mpsc::channel();
-        let (told, messages) = mpsc::sync_channel(MESSAGES_AHEAD);
-        let run_loop = RunLoop::new((elf, meter), options, obeyed, told.clone())?;
+        let (sender, messages) = mpsc::sync_channel(MESSAGES_AHEAD);
+        let run_loop = RunLoop::new((elf, meter), options, obeyed, sender.clone())?;
         thread::Builder::new()
             .name("emulated board".into())
-            .spawn(move || run(session, &[image], run_loop, &told))
+            .spawn(move || run(session, &[image], run_loop, &sender))
             .context("no thread for the emulated board")?;
         Ok(Self {
             commands,
@@ -243,9 +243,9 @@ impl Board for EmulatedBoard {
     }
 }
 
-fn run(session: Session<Rig>, images: &[Image], run_loop: RunLoop, told: &SyncSender<Message>) {
+fn run(session: Session<Rig>, images: &[Image], run_loop: RunLoop, sender: &SyncSender<Message>) {
     if let Err(error) = emulator::run(session, &Start::new(images), run_loop) {
         // Nobody to tell when the host has dropped the board.
-        let _ = told.send(Message::Failed(error.to_string()));
+        let _ = sender.send(Message::Failed(error.to_string()));
     }
 }

@@ -23,7 +23,7 @@ use crate::record::{Alignment, CountedFrom, Mirror, Observation};
 use crate::scoring::MotorDigest;
 use chip_models::{ChipOptions, SharedChips, StimulusSource};
 use emulated_board::emulated::{EmulatedBoard, Sensors};
-use emulated_board::{Board, Elf, SensorLine, Options};
+use emulated_board::{Board, Elf, Options, SensorLine};
 
 /// The shortest time between two samples of the MPU6050: 1 ms less its clock's tolerance.
 const SHORTEST_PERIOD_NS: u64 = 950_000 / reflex::config::IMU_RATE as u64 * 1_000;

@@ -165,12 +165,12 @@ mod tests {
     };
 
     /// The messages to a drone at rest in its first seconds, with the instants in ms.
-    fn told(flies_to_goals: bool, seconds: u64) -> Vec<(u64, Message)> {
+    fn sent(flies_to_goals: bool, seconds: u64) -> Vec<(u64, Message)> {
         let mut station = Station::new(flies_to_goals, &TRACKING, 1);
         let target = Course::new(Mission::Hover, 1.0, 1).target();
         let here = Vector3::new(1.0, 2.0, -3.0);
         let mut parser = Parser::new();
-        let mut told = Vec::new();
+        let mut sent = Vec::new();
         for tick in 0..seconds * 100 {
             let at_ns = tick * 10 * MILLISECOND_NS;
             for frame in station.speak(at_ns, (&here, &Vector3::zeros()), &target) {
@@ -178,45 +178,45 @@ mod tests {
                     let Incoming::Message { message, .. } = incoming else {
                         panic!("{incoming:?}");
                     };
-                    told.push((tick * 10, message));
+                    sent.push((tick * 10, message));
                 }
             }
         }
-        told
+        sent
     }
 
     #[test]
     fn the_drone_is_armed_four_times_before_take_off() {
-        let told = told(true, 3);
-        let armed = told.iter().filter(|told| told.1 == Message::Arm(true));
+        let sent = sent(true, 3);
+        let armed = sent.iter().filter(|sent| sent.1 == Message::Arm(true));
         assert_eq!(
-            armed.map(|told| told.0).collect::<Vec<_>>(),
+            armed.map(|sent| sent.0).collect::<Vec<_>>(),
             [1300, 1350, 1400, 1450]
         );
-        let beats = told.iter().filter(|told| told.1 == Message::Heartbeat);
+        let beats = sent.iter().filter(|sent| sent.1 == Message::Heartbeat);
         assert_eq!(beats.count(), 3);
     }
 
     #[test]
     fn places_come_first_and_goals_behind_each_from_take_off_on() {
-        let told = told(true, 2);
-        let poses: Vec<u64> = (told.iter())
-            .filter(|told| matches!(told.1, Message::Pose(_)))
-            .map(|told| told.0)
+        let sent = sent(true, 2);
+        let poses: Vec<u64> = (sent.iter())
+            .filter(|sent| matches!(sent.1, Message::Pose(_)))
+            .map(|sent| sent.0)
             .collect();
         assert_eq!((poses[0], poses[1], poses.len()), (1000, 1050, 20));
-        let goals: Vec<u64> = (told.iter())
-            .filter(|told| matches!(told.1, Message::Goal(_)))
-            .map(|told| told.0)
+        let goals: Vec<u64> = (sent.iter())
+            .filter(|sent| matches!(sent.1, Message::Goal(_)))
+            .map(|sent| sent.0)
             .collect();
         assert_eq!((goals[0], goals.len()), (1500, 10));
     }
 
     #[test]
     fn a_logic_without_position_loops_is_told_attitudes() {
-        let told = told(false, 2);
-        assert!(!told.iter().any(|told| matches!(told.1, Message::Goal(_))));
-        let setpoint = told.iter().find_map(|told| match told.1 {
+        let sent = sent(false, 2);
+        assert!(!sent.iter().any(|sent| matches!(sent.1, Message::Goal(_))));
+        let setpoint = sent.iter().find_map(|sent| match sent.1 {
             Message::Setpoint(setpoint) => Some(setpoint),
             _ => None,
         });

@@ -162,18 +162,22 @@ mod tests {
 
     #[test]
     fn unknown_places_and_drones_are_named_with_those_that_are_known() {
-        let told = Scene::load("moon", AIRFRAME, None).unwrap_err().to_string();
-        assert!(told.ends_with("must be one of: arch, lab, rugby"), "{told}");
-        let told = Scene::load("arch", "kite", None).unwrap_err().to_string();
+        let refusal = Scene::load("moon", AIRFRAME, None).unwrap_err().to_string();
         assert!(
-            told.ends_with("must be one of: hexa_x, quad_x, y6"),
-            "{told}"
+            refusal.ends_with("must be one of: arch, lab, rugby"),
+            "{refusal}"
         );
-        let told = Scene::load("arch", AIRFRAME, Some("stars")).unwrap_err();
+        let refusal = Scene::load("arch", "kite", None).unwrap_err().to_string();
         assert!(
-            told.to_string()
+            refusal.ends_with("must be one of: hexa_x, quad_x, y6"),
+            "{refusal}"
+        );
+        let refusal = Scene::load("arch", AIRFRAME, Some("stars")).unwrap_err();
+        assert!(
+            refusal
+                .to_string()
                 .ends_with("must be one of: companion, motion_capture, satellites"),
-            "{told}"
+            "{refusal}"
         );
     }
 }

@@ -67,7 +67,7 @@ mod tests {
             let limits = Budget::parse(&text(part)).unwrap();
             assert_eq!(limits.hover_instructions_per_sample[part], 3);
         }
-        let told = Budget::parse(&text("fore sight")).unwrap_err().to_string();
-        assert!(told.contains("no part is named `fore sight`, must be one of: foresight, "));
+        let refusal = Budget::parse(&text("fore sight")).unwrap_err().to_string();
+        assert!(refusal.contains("no part is named `fore sight`, must be one of: foresight, "));
     }
 }

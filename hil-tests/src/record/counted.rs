@@ -3,7 +3,7 @@
 use reflex::app::Call;
 
 use super::Observation;
-use emulated_board::{Board, SensorLine, Outcome, Tally};
+use emulated_board::{Board, Outcome, SensorLine, Tally};
 
 /// Every instruction from an instant to the end of a flight.
 #[derive(Clone, Debug, PartialEq)]

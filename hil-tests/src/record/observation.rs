@@ -9,7 +9,7 @@ use reflex::app::Stamped;
 
 use super::call_stream::CallStream;
 use crate::output_file::OutputFile;
-use emulated_board::{Edge, Hit, SensorLine, LogLine, MotorWrite, Observer};
+use emulated_board::{Edge, Hit, LogLine, MotorWrite, Observer, SensorLine};
 
 /// Handlers on the way from the gyro's interrupt to the motors, in order.
 ///

@@ -91,7 +91,7 @@ impl Health {
             .take()
             .or_else(|| reset(session))
             .or_else(|| self.bad_access(session))
-            .or_else(|| session.told().next().map(told))
+            .or_else(|| session.told().next().map(fault_of))
             .or_else(|| self.miswired(part, batch.at_ns))
             .or_else(|| self.lifeless(batch.at_ns))
     }
@@ -159,7 +159,7 @@ fn reset(session: &Session<Rig>) -> Option<FaultKind> {
     })
 }
 
-fn told(told: &Told) -> FaultKind {
+fn fault_of(told: &Told) -> FaultKind {
     let Told {
         instance,
         register,

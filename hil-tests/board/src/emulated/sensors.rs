@@ -14,7 +14,7 @@ use rigless::soc::stm32f427::Stm32f427;
 use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::soc::stm32f427::peripherals::spi::Select;
 
-use super::reflex_f427::{CHIPS_SPI, IMU_I2C, SensorLine, SELECTS, Wire};
+use super::reflex_f427::{CHIPS_SPI, IMU_I2C, SELECTS, SensorLine, Wire};
 use chip_models::{I2cChip, OfDies, SharedChips, SpiChip};
 
 /// The chips of the board, each shared with its owner.

@@ -25,12 +25,12 @@ const QUICK_RUNS: usize = 8192;
 
 /// What the program logs, and whether it is done.
 #[derive(Default)]
-struct Told {
+struct Observed {
     digests: Vec<String>,
     done: bool,
 }
 
-impl Observer for Told {
+impl Observer for Observed {
     fn log(&mut self, line: &LogLine) {
         self.digests.push(line.text.clone());
     }
@@ -77,13 +77,13 @@ impl Core {
             ..Options::default()
         };
         let mut board = EmulatedBoard::boot(&self.elf, at_rest(), &options).expect("booted");
-        let mut told = Told::default();
-        while !told.done && board.now_ns() < LONGEST_NS {
-            let ran = board.run_until(board.now_ns() + LOOK_NS, &mut told);
+        let mut observed = Observed::default();
+        while !observed.done && board.now_ns() < LONGEST_NS {
+            let ran = board.run_until(board.now_ns() + LOOK_NS, &mut observed);
             ran.unwrap_or_else(|fault| panic!("{}: {fault}", name.word()));
         }
-        assert!(told.done, "{} is not done", name.word());
-        told.digests
+        assert!(observed.done, "{} is not done", name.word());
+        observed.digests
     }
 }
 

@@ -20,9 +20,10 @@ const SWIER: u64 = 0x4001_3C10;
 const PR: u64 = 0x4001_3C14;
 const TIM3: u64 = 0x4000_0400;
 
-struct Bench(Part);
+/// The part, whose buses and pins a test drives.
+struct DrivenPart(Part);
 
-impl Bench {
+impl DrivenPart {
     fn new(imu: Pulse) -> Self {
         Self(Part::new(sensors(imu), Link::default()).unwrap())
     }
@@ -67,62 +68,58 @@ const EXTI0_INTERRUPT: u16 = 6;
 
 #[test]
 fn a_rising_pin_interrupts_at_its_instant_until_the_pending_bit_is_cleared() {
-    let mut bench = Bench::new(PULSE).listen(RTSR);
-    bench.write(0, IMR, 1);
-    assert!(bench.stop_at(&[0]).is_empty());
-    assert_eq!(bench.0.next_event(), Some(VirtualNanos(1_000)));
-    assert_eq!(bench.stop_at(&[1_000]), [EXTI0_INTERRUPT]);
-    assert_eq!(bench.read(1_000, PR), 1);
-    bench.write(1_100, PR, 2);
-    assert_eq!(bench.read(1_100, PR), 1, "a zero leaves the bit alone");
-    bench.write(1_200, PR, 1);
-    assert_eq!(bench.read(1_200, PR), 0);
+    let mut part = DrivenPart::new(PULSE).listen(RTSR);
+    part.write(0, IMR, 1);
+    assert!(part.stop_at(&[0]).is_empty());
+    assert_eq!(part.0.next_event(), Some(VirtualNanos(1_000)));
+    assert_eq!(part.stop_at(&[1_000]), [EXTI0_INTERRUPT]);
+    assert_eq!(part.read(1_000, PR), 1);
+    part.write(1_100, PR, 2);
+    assert_eq!(part.read(1_100, PR), 1, "a zero leaves the bit alone");
+    part.write(1_200, PR, 1);
+    assert_eq!(part.read(1_200, PR), 0);
     assert_eq!(
-        bench.stop_at(&[51_000]),
+        part.stop_at(&[51_000]),
         [EXTI0_INTERRUPT],
         "the line falls again, once"
     );
-    assert_eq!(
-        bench.read(51_000, PR),
-        0,
-        "the falling edge is not selected"
-    );
+    assert_eq!(part.read(51_000, PR), 0, "the falling edge is not selected");
 }
 
 #[test]
 fn a_falling_pin_is_heard_by_the_falling_trigger_alone() {
-    let mut bench = Bench::new(PULSE).listen(FTSR);
-    bench.stop_at(&[0, 1_000]);
-    assert_eq!(bench.read(1_000, PR), 0);
-    bench.stop_at(&[51_000]);
-    assert_eq!(bench.read(51_000, PR), 1);
+    let mut part = DrivenPart::new(PULSE).listen(FTSR);
+    part.stop_at(&[0, 1_000]);
+    assert_eq!(part.read(1_000, PR), 0);
+    part.stop_at(&[51_000]);
+    assert_eq!(part.read(51_000, PR), 1);
 }
 
 #[test]
 fn a_masked_line_pends_without_an_interrupt_until_it_is_unmasked() {
-    let mut bench = Bench::new(PULSE).listen(RTSR);
-    assert!(bench.stop_at(&[0, 1_000]).is_empty());
-    assert_eq!(bench.read(1_000, PR), 1);
-    bench.write(2_000, IMR, 1);
-    assert_eq!(bench.stop_at(&[]), [EXTI0_INTERRUPT]);
+    let mut part = DrivenPart::new(PULSE).listen(RTSR);
+    assert!(part.stop_at(&[0, 1_000]).is_empty());
+    assert_eq!(part.read(1_000, PR), 1);
+    part.write(2_000, IMR, 1);
+    assert_eq!(part.stop_at(&[]), [EXTI0_INTERRUPT]);
 }
 
 #[test]
 fn software_pends_a_line_once_until_it_is_cleared() {
-    let mut bench = Bench::new(Pulse::default());
-    bench.write(0, SWIER, 1 << 12);
-    assert_eq!(bench.read(0, PR), 1 << 12);
-    bench.write(0, PR, 1 << 12);
-    assert_eq!((bench.read(0, PR), bench.read(0, SWIER)), (0, 0));
+    let mut part = DrivenPart::new(Pulse::default());
+    part.write(0, SWIER, 1 << 12);
+    assert_eq!(part.read(0, PR), 1 << 12);
+    part.write(0, PR, 1 << 12);
+    assert_eq!((part.read(0, PR), part.read(0, SWIER)), (0, 0));
 }
 
 #[test]
 fn another_port_on_the_line_hears_nothing() {
-    let mut bench = Bench::new(PULSE).listen(RTSR);
-    bench.write(0, EXTICR1, 0x221);
-    bench.write(0, IMR, 1);
-    assert!(bench.stop_at(&[0, 1_000]).is_empty());
-    let problems = wiring::problems(&bench.0, 0);
+    let mut part = DrivenPart::new(PULSE).listen(RTSR);
+    part.write(0, EXTICR1, 0x221);
+    part.write(0, IMR, 1);
+    assert!(part.stop_at(&[0, 1_000]).is_empty());
+    let problems = wiring::problems(&part.0, 0);
     let wrong = "EXTI0 listens at PB0, but MPU6050 INT is at PC0";
     assert!(
         problems.iter().any(|problem| problem == wrong),
@@ -132,17 +129,17 @@ fn another_port_on_the_line_hears_nothing() {
 
 #[test]
 fn a_selector_written_without_its_clock_is_lost_and_told() {
-    let mut bench = Bench::new(PULSE);
-    bench.write(0, EXTICR1, 0x222);
-    assert_eq!(bench.read(0, EXTICR1), 0);
-    assert_eq!(bench.0.drain_told()[0].register, "EXTICR1");
+    let mut part = DrivenPart::new(PULSE);
+    part.write(0, EXTICR1, 0x222);
+    assert_eq!(part.read(0, EXTICR1), 0);
+    assert_eq!(part.0.drain_told()[0].register, "EXTICR1");
 }
 
 /// TIM3 at 16 MHz (the internal oscillator) with a period of 1000 ticks.
-fn motor_bench() -> Bench {
-    let mut bench = Bench::new(Pulse::default());
-    bench.write(0, RCC_APB1ENR, 1 << 1);
-    bench.0.settle(&mut NoMemory).unwrap();
+fn part_with_motors() -> DrivenPart {
+    let mut part = DrivenPart::new(Pulse::default());
+    part.write(0, RCC_APB1ENR, 1 << 1);
+    part.0.settle(&mut NoMemory).unwrap();
     for (offset, value) in [
         (0x2C, 999),
         (0x18, 0x6868),
@@ -150,9 +147,9 @@ fn motor_bench() -> Bench {
         (0x14, 1),
         (0x00, 0x81),
     ] {
-        bench.write(0, TIM3 + offset, value);
+        part.write(0, TIM3 + offset, value);
     }
-    bench
+    part
 }
 
 struct NoMemory;
@@ -173,59 +170,59 @@ impl rigless::emulator::Memory for NoMemory {
 
 #[test]
 fn a_pulse_is_programmed_at_once_and_applied_at_the_next_update_event() {
-    let mut bench = motor_bench();
-    bench.write(100_000, TIM3 + 0x34, 160);
-    let write = bench.0.timers[0].writes[0];
+    let mut part = part_with_motors();
+    part.write(100_000, TIM3 + 0x34, 160);
+    let write = part.0.timers[0].writes[0];
     assert_eq!(
         (write.at_ns, write.pulse_ns, write.driven),
         (100_000, 10_000, true)
     );
     assert_eq!(write.applied_ns, 125_000, "the period is 62.5 us");
-    assert_eq!(bench.0.timers[0].period_ns(), Some(62_500));
-    assert_eq!(bench.0.driven(), 1);
+    assert_eq!(part.0.timers[0].period_ns(), Some(62_500));
+    assert_eq!(part.0.driven(), 1);
 }
 
 #[test]
 fn the_counter_follows_the_virtual_clock() {
-    let mut bench = motor_bench();
-    assert_eq!(bench.read(62_500 + 1_000, TIM3 + 0x24), 16);
+    let mut part = part_with_motors();
+    assert_eq!(part.read(62_500 + 1_000, TIM3 + 0x24), 16);
     assert_eq!(
-        bench.read(63_500, TIM3 + 0x10),
+        part.read(63_500, TIM3 + 0x10),
         1,
         "an update event has come"
     );
-    bench.write(63_500, TIM3 + 0x10, 0);
-    assert_eq!(bench.read(63_500, TIM3 + 0x10), 0);
+    part.write(63_500, TIM3 + 0x10, 0);
+    assert_eq!(part.read(63_500, TIM3 + 0x10), 0);
 }
 
 #[test]
 fn a_new_period_waits_for_the_update_event() {
-    let mut bench = motor_bench();
-    bench.write(10_000, TIM3 + 0x2C, 1_999);
-    bench.write(20_000, TIM3 + 0x34, 160);
-    bench.write(70_000, TIM3 + 0x34, 320);
-    let writes = &bench.0.timers[0].writes;
+    let mut part = part_with_motors();
+    part.write(10_000, TIM3 + 0x2C, 1_999);
+    part.write(20_000, TIM3 + 0x34, 160);
+    part.write(70_000, TIM3 + 0x34, 320);
+    let writes = &part.0.timers[0].writes;
     assert_eq!(writes[0].applied_ns, 62_500);
     assert_eq!(writes[1].applied_ns, 62_500 + 125_000);
 }
 
 #[test]
 fn what_the_motor_timers_do_not_play_is_told() {
-    let mut bench = motor_bench();
-    bench.write(0, TIM3 + 0x0C, 1);
-    bench.write(0, TIM3 + 0x20, 0x3);
-    let told: Vec<_> = bench
+    let mut part = part_with_motors();
+    part.write(0, TIM3 + 0x0C, 1);
+    part.write(0, TIM3 + 0x20, 0x3);
+    let registers: Vec<_> = part
         .0
         .drain_told()
         .iter()
         .map(|told| told.register)
         .collect();
-    assert_eq!(told, ["DIER", "CCER"]);
+    assert_eq!(registers, ["DIER", "CCER"]);
 }
 
 #[test]
 fn a_part_out_of_reset_has_every_pin_wrong() {
-    let problems = wiring::problems(&Bench::new(Pulse::default()).0, 0b1_0000);
+    let problems = wiring::problems(&DrivenPart::new(Pulse::default()).0, 0b1_0000);
     let motor = "PD12 (TIM4_CH1) is an input, not AF2 push-pull";
     assert!(
         problems.iter().any(|problem| problem == motor),

@@ -8,13 +8,13 @@ use super::program::{
 use super::{Pulse, sensors};
 use crate::emulated::EmulatedBoard;
 use crate::{
-    Board, Came, Edge, Elf, Fault, FaultKind, Feed, Hit, SensorLine, LogLine, MotorWrite, Observer,
-    Options, Outcome, Watched,
+    Board, Came, Edge, Elf, Fault, FaultKind, Feed, Hit, LogLine, MotorWrite, Observer, Options,
+    Outcome, SensorLine, Watched,
 };
 
-/// Everything a run told.
+/// Everything that a run showed.
 #[derive(Debug, Default, PartialEq)]
-struct Told {
+struct Observed {
     motors: Vec<MotorWrite>,
     edges: Vec<Edge>,
     calls: Vec<(u64, Vec<u8>)>,
@@ -23,7 +23,7 @@ struct Told {
     progress: u64,
 }
 
-impl Observer for Told {
+impl Observer for Observed {
     fn motors(&mut self, write: &MotorWrite) {
         self.motors.push(*write);
     }
@@ -46,17 +46,17 @@ impl Observer for Told {
 
 const MILLISECOND: u64 = 1_000_000;
 
-fn run(elf: Elf, options: &Options, until_ns: u64) -> (Told, Result<Outcome, Fault>) {
+fn run(elf: Elf, options: &Options, until_ns: u64) -> (Observed, Result<Outcome, Fault>) {
     let imu = Pulse {
         from_ns: 5_000,
         to_ns: 55_000,
         now_ns: 0,
     };
     let mut board = EmulatedBoard::boot(&Arc::new(elf), sensors(imu), options).unwrap();
-    let mut told = Told::default();
-    let ran = board.run_until(until_ns, &mut told);
+    let mut seen = Observed::default();
+    let ran = board.run_until(until_ns, &mut seen);
     let outcome = ran.and_then(|()| Box::new(board).finish());
-    (told, outcome)
+    (seen, outcome)
 }
 
 fn fault_of(elf: Elf) -> FaultKind {
@@ -87,10 +87,10 @@ fn settings_are_there_before_the_first_instruction_and_calls_are_read() {
         settings: Some(vec![1, 2, 3, 4]),
         ..Options::default()
     };
-    let (told, outcome) = run(elf, &options, 3 * MILLISECOND);
+    let (seen, outcome) = run(elf, &options, 3 * MILLISECOND);
     outcome.unwrap();
-    assert_eq!(told.calls, [(MILLISECOND, vec![1, 2, 3, 4])]);
-    assert_eq!(told.progress, 3 * MILLISECOND);
+    assert_eq!(seen.calls, [(MILLISECOND, vec![1, 2, 3, 4])]);
+    assert_eq!(seen.progress, 3 * MILLISECOND);
 }
 
 #[test]
@@ -110,18 +110,18 @@ fn each_arrival_is_fed_the_next_block_until_there_is_none() {
         }),
         ..Options::default()
     };
-    let (told, outcome) = run(elf, &options, 2 * MILLISECOND);
+    let (seen, outcome) = run(elf, &options, 2 * MILLISECOND);
     outcome.unwrap();
     let bytes = vec![1, 2, 3, 4, 5, 6, 7, 8, 5, 6, 7, 8];
-    assert_eq!(told.calls, [(MILLISECOND, bytes)]);
+    assert_eq!(seen.calls, [(MILLISECOND, bytes)]);
 }
 
 #[test]
 fn pins_and_motors_are_reported_at_their_instants_and_again_the_same() {
     let observed = || run(writing(&MOTOR_ON), &Options::default(), 2 * MILLISECOND).0;
-    let told = observed();
-    let [rise, fall] = told.edges[..] else {
-        panic!("{told:?}")
+    let seen = observed();
+    let [rise, fall] = seen.edges[..] else {
+        panic!("{seen:?}")
     };
     let line = SensorLine::ImuReady;
     assert_eq!(
@@ -140,24 +140,24 @@ fn pins_and_motors_are_reported_at_their_instants_and_again_the_same() {
             rising: false
         }
     );
-    assert_eq!(told.motors.len(), 1);
-    assert_eq!(told.motors[0].pulse_ns[0], 10_000, "160 ticks of 16 MHz");
-    assert_eq!(told.motors[0].driven, 1);
-    assert_eq!(observed(), told);
+    assert_eq!(seen.motors.len(), 1);
+    assert_eq!(seen.motors[0].pulse_ns[0], 10_000, "160 ticks of 16 MHz");
+    assert_eq!(seen.motors[0].driven, 1);
+    assert_eq!(observed(), seen);
 }
 
 #[test]
 fn the_log_is_decoded_with_the_strings_of_the_firmware() {
-    let (told, outcome) = run(writing(&logging(HELLO)), &Options::default(), MILLISECOND);
-    assert_eq!(told.log, ["info  hello"]);
+    let (seen, outcome) = run(writing(&logging(HELLO)), &Options::default(), MILLISECOND);
+    assert_eq!(seen.log, ["info  hello"]);
     assert_eq!(outcome.unwrap().damaged_log_frames, 0);
 }
 
 #[test]
 fn a_damaged_log_frame_is_counted_and_passed_over() {
     let damaged = writing(&logging(0x00_7E_7F));
-    let (told, outcome) = run(damaged, &Options::default(), MILLISECOND);
-    assert_eq!(told.log, [] as [String; 0]);
+    let (seen, outcome) = run(damaged, &Options::default(), MILLISECOND);
+    assert_eq!(seen.log, [] as [String; 0]);
     assert_eq!(outcome.unwrap().damaged_log_frames, 1);
 }
 
@@ -183,10 +183,10 @@ fn a_watched_symbol_reports_time_and_instructions() {
         watches: vec!["HardFault".into()],
         ..Options::default()
     };
-    let (told, fault) = run(assembled(&[0xBF00, 0xDE00], &[]), &options, MILLISECOND);
+    let (seen, fault) = run(assembled(&[0xBF00, 0xDE00], &[]), &options, MILLISECOND);
     assert_eq!(fault.unwrap_err().kind.name(), "hard_fault");
-    assert_eq!(told.hits[0].watch, 0);
-    assert!(told.hits[0].instructions <= 2, "{told:?}");
+    assert_eq!(seen.hits[0].watch, 0);
+    assert!(seen.hits[0].instructions <= 2, "{seen:?}");
 }
 
 #[test]
@@ -332,12 +332,12 @@ fn a_board_keeps_its_fault() {
     let mut board =
         EmulatedBoard::boot(&elf, sensors(Pulse::default()), &Options::default()).unwrap();
     let first = board
-        .run_until(MILLISECOND, &mut Told::default())
+        .run_until(MILLISECOND, &mut Observed::default())
         .unwrap_err();
     board.transmit(2 * MILLISECOND, b"too late");
     assert_eq!(
         board
-            .run_until(3 * MILLISECOND, &mut Told::default())
+            .run_until(3 * MILLISECOND, &mut Observed::default())
             .unwrap_err(),
         first
     );
@@ -356,7 +356,9 @@ fn every_instruction_is_counted_with_the_call_that_led_to_it() {
     };
     let mut board = EmulatedBoard::boot(&elf, sensors(Pulse::default()), &options).unwrap();
     board.count();
-    board.run_until(MILLISECOND, &mut Told::default()).unwrap();
+    board
+        .run_until(MILLISECOND, &mut Observed::default())
+        .unwrap();
     let outcome = Box::new(board).finish().unwrap();
     let tally = outcome.tally.unwrap();
     let call = Came::Call {
@@ -387,10 +389,10 @@ fn a_run_is_the_same_where_its_instructions_are_counted() {
         if counts {
             board.count();
         }
-        let mut told = Told::default();
-        board.run_until(10 * MILLISECOND, &mut told).unwrap();
+        let mut seen = Observed::default();
+        board.run_until(10 * MILLISECOND, &mut seen).unwrap();
         let outcome = Box::new(board).finish().unwrap();
-        (told, outcome.load.samples, outcome.tally)
+        (seen, outcome.load.samples, outcome.tally)
     };
     let (plain, load, none) = run(false);
     let (counted, same, tally) = run(true);
