@@ -18,8 +18,8 @@
 pub mod contention;
 mod desired;
 mod emulated;
-mod flight;
 mod flight_report;
+mod flying_board;
 mod measures;
 mod mission;
 mod native;
@@ -27,10 +27,10 @@ mod outer_loop;
 pub mod plot;
 pub mod report;
 mod sensed_motion;
+mod simulated_flight;
 mod station;
 #[cfg(test)]
 mod tests;
-mod tier;
 pub mod track;
 mod tracker;
 mod world;
@@ -46,9 +46,9 @@ use crate::progress::Progress;
 use crate::record::Counted;
 
 use contention::Contention;
-use flight::Flight;
 pub use mission::Mission;
 use report::FlightReport;
+use simulated_flight::SimulatedFlight;
 use track::Moment;
 
 /// Seconds of flight between two reports of progress.
@@ -179,7 +179,7 @@ pub fn fly(
     flyer: Flyer<'_>,
     progress: &mut dyn Progress,
 ) -> Result<Flown> {
-    let mut flight = Flight::new(scene, options, flyer)?;
+    let mut flight = SimulatedFlight::new(scene, options, flyer)?;
     let mut reported_s = 0.0;
     while flight.goes_on() {
         flight.step()?;

@@ -1,9 +1,9 @@
 //! From what happened in a replay to the numbers of its report.
 //!
-//! Pure functions over plain data: no emulator, no clock, no file. A replay fills a [`Flight`]
-//! hyperperiod by hyperperiod, [`score`] turns it into a [`Score`], a [`Report`] adds what the
-//! replay knows about itself, and [`summary`] writes that for a person. Native sweeps and
-//! campaigns score with the same functions.
+//! Pure functions over plain data: no emulator, no clock, no file. A replay fills
+//! [`FlightSteps`] hyperperiod by hyperperiod, [`score`] turns them into a [`Score`], a
+//! [`Report`] adds what the replay knows about itself, and [`summary`] writes that for a person.
+//! Native sweeps score with the same functions.
 //!
 //! Everything is counted after warm-up only. Where a quantity has no value (a share of no
 //! hyperperiods, a latency without a run) it is `None`, which is `null` in the report; no
@@ -14,7 +14,7 @@
 mod deviation;
 mod digest;
 mod felt;
-mod flight;
+mod flight_steps;
 mod judge;
 mod latency;
 mod load;
@@ -32,7 +32,7 @@ mod tests;
 
 pub use deviation::{Deviation, differs};
 pub use digest::MotorDigest;
-pub use flight::{Command, Flight, Run, Step};
+pub use flight_steps::{Command, FlightSteps, Run, Step};
 pub use latency::{LatencySample, Quantiles, latencies};
 pub use load::{Busy, Cost, LOADS, LoadTable, LogicCosts, Reach};
 pub use options::{number, report_name};
@@ -106,7 +106,7 @@ pub struct Score {
 ///
 /// # Panics
 /// When `fly` returns another number of entries than the flight has hyperperiods.
-pub fn score(flight: &Flight, rules: &Rules, fly: impl FnMut(Clock) -> Vec<Held>) -> Score {
+pub fn score(flight: &FlightSteps, rules: &Rules, fly: impl FnMut(Clock) -> Vec<Held>) -> Score {
     let scored = flight.scored();
     let judged = judge::judge(flight, rules);
     let section = Section::of(
@@ -140,7 +140,7 @@ pub fn score(flight: &Flight, rules: &Rules, fly: impl FnMut(Clock) -> Vec<Held>
     }
 }
 
-fn warm_up(flight: &Flight) -> WarmUp {
+fn warm_up(flight: &FlightSteps) -> WarmUp {
     let first = flight.scored().first;
     let steps = flight.steps().get(..first).unwrap_or_default();
     WarmUp {

@@ -78,8 +78,8 @@ mod tests {
     #[test]
     fn the_attitude_at_rest_feels_the_force_it_was_made_from() {
         for force in [[1.0, 2.0, -9.0], [-3.0, 0.5, -8.0], [4.0, 4.0, 7.0]] {
-            let felt = at_rest(force).inverse() * Vector3::new(0.0, 0.0, -1.0);
-            assert!((felt - Vector3::from(force).normalize()).norm() < 1e-9);
+            let sensed = at_rest(force).inverse() * Vector3::new(0.0, 0.0, -1.0);
+            assert!((sensed - Vector3::from(force).normalize()).norm() < 1e-9);
         }
     }
 

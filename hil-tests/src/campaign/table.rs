@@ -79,7 +79,7 @@ fn job_columns(flights: &[&Landed]) -> Vec<(String, Column)> {
         )
     };
     named([
-        ("tier", report(|report| &report.tier)),
+        ("tier", text(&|landed| landed.report.tier.to_string())),
         ("airframe", report(|report| &report.airframe)),
         ("logic", report(|report| &report.logic)),
         ("environment", report(|report| &report.environment)),

@@ -13,8 +13,8 @@ use reflex::settings::MotorProtocol;
 
 use super::Core;
 use super::desired::Desired;
+use super::flying_board::{Applied, Ended, FlyingBoard, TimedRan};
 use super::report::Cpu;
-use super::tier::{Applied, Ended, Tier, TimedRan};
 use crate::ground_station::LinkFrame;
 use crate::logics::Start;
 use crate::native::nanos;
@@ -31,7 +31,7 @@ const SHORTEST_PERIOD_NS: u64 = 950_000 / reflex::config::IMU_RATE as u64 * 1_00
 const SHORTEST_ANSWER_NS: u64 = 400_000;
 
 /// An emulated board, the mirror of its calls, and what was observed so far.
-pub(super) struct EmulatedTier {
+pub(super) struct FlyingEmulatedBoard {
     board: Box<EmulatedBoard>,
     observation: Observation,
     /// Makes the firmware's calls again.
@@ -47,7 +47,7 @@ pub(super) struct EmulatedTier {
     counted_from: Option<CountedFrom>,
 }
 
-impl EmulatedTier {
+impl FlyingEmulatedBoard {
     /// Boots firmware on a core, with chips that feel a source.
     pub(super) fn boot(
         core: &Core<'_>,
@@ -91,7 +91,7 @@ impl EmulatedTier {
     }
 }
 
-impl Tier for EmulatedTier {
+impl FlyingBoard for FlyingEmulatedBoard {
     fn run_until(&mut self, until_ns: u64) -> Result<()> {
         self.board.run_until(until_ns, &mut self.observation)?;
         self.mirror()

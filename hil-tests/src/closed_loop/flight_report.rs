@@ -3,11 +3,12 @@
 use anyhow::Result;
 use reflex::settings::{Policy, Settings};
 
-use super::flight::{Flight, Scored};
 use super::report::{AxisErrors, Control, CrashReport, FlightReport};
+use super::simulated_flight::{Scored, SimulatedFlight};
 use super::station::TAKE_OFF_NS;
 use super::{Flyer, Scene};
 use crate::record::Counted;
+use crate::scoring::Tier;
 
 /// What is left in the battery where flight time ends (Bregu et al. 2016, section 7.1).
 const RESERVE: f64 = 0.2;
@@ -18,7 +19,7 @@ struct Whole<'f> {
     length_s: f64,
 }
 
-impl Flight<'_> {
+impl SimulatedFlight<'_> {
     /// Every number, and instructions where they were counted; where there is no scored part, or the flight ended before its time, none is
     /// made up.
     ///
@@ -50,10 +51,10 @@ impl Flight<'_> {
         let control = self.control(whole.map(|whole| whole.length_s));
         let duration_s = self.since_take_off_s().max(0.0);
         let from_ns = self.scored.as_ref().map(|scored| scored.from_ns);
-        let ended = self.tier.finish(from_ns.unwrap_or_default())?;
+        let ended = self.board.finish(from_ns.unwrap_or_default())?;
         let (tier, clock_mhz) = match flyer {
-            Flyer::Native => ("native", 168),
-            Flyer::Emulated(core) => ("emulated", core.mhz),
+            Flyer::Native => (Tier::Native, 168),
+            Flyer::Emulated(core) => (Tier::Emulated, core.mhz),
         };
         let Settings { policy, period, .. } = options.settings;
         let rate_hz = (policy == Policy::Periodic).then(|| 1e6 / period.ticks() as f64);
@@ -65,7 +66,7 @@ impl Flight<'_> {
             gains: options.gains.name().map(str::to_owned),
             bandwidth: options.gains.bandwidth(),
             mission: options.mission.name().to_owned(),
-            tier: tier.to_owned(),
+            tier,
             policy: policy.word().to_owned(),
             rate_hz,
             clock_mhz,

@@ -8,7 +8,7 @@ use reflex::reactive::Phase;
 use reflex::settings::MotorProtocol;
 
 use super::desired::Desired;
-use super::tier::{Applied, Ended, Tier, TimedRan};
+use super::flying_board::{Applied, Ended, FlyingBoard, TimedRan};
 use crate::ground_station::LinkFrame;
 use crate::logics::Start;
 use crate::native::{NativeBoard, RUN_NS, nanos};
@@ -17,13 +17,13 @@ use crate::scoring::MotorDigest;
 use chip_models::{ChipOptions, StimulusSource};
 
 /// A native board with what the motors' timers would make of its commands.
-pub(super) struct NativeTier {
+pub(super) struct FlyingNativeBoard {
     board: NativeBoard,
     protocol: MotorProtocol,
     digest: MotorDigest,
 }
 
-impl NativeTier {
+impl FlyingNativeBoard {
     /// Boots a board whose chips feel a source.
     pub(super) fn boot(
         start: &Start,
@@ -46,7 +46,7 @@ fn applied_ns(protocol: MotorProtocol, written_ns: u64) -> u64 {
         .saturating_mul(period_ns)
 }
 
-impl Tier for NativeTier {
+impl FlyingBoard for FlyingNativeBoard {
     fn run_until(&mut self, until_ns: u64) -> Result<()> {
         self.board.run_until(until_ns);
         Ok(())

@@ -4,7 +4,7 @@ use anyhow::Result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::scoring::{ByReason, or_dash};
+use crate::scoring::{ByReason, Tier, or_dash};
 
 /// The whole flight. The scored part begins when the drone is up and has learned.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -23,8 +23,8 @@ pub struct FlightReport {
     pub bandwidth: f64,
     /// `hover` or `waypoints`.
     pub mission: String,
-    /// `emulated` or `native`.
-    pub tier: String,
+    /// Who played the board.
+    pub tier: Tier,
     /// `reactive` or `periodic`.
     pub policy: String,
     /// Runs per second that were asked for; none for the reactive policy.
@@ -216,7 +216,7 @@ mod tests {
             gains: None,
             bandwidth: 1.0,
             mission: "hover".into(),
-            tier: "native".into(),
+            tier: Tier::Native,
             policy: "periodic".into(),
             rate_hz: Some(400.0),
             clock_mhz: 168,

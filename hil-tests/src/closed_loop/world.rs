@@ -12,8 +12,8 @@ use random_streams::generator;
 use reflex_config::plant::{self, Environment, Vehicle};
 use reflex_config::{Airframe, Spin};
 
+use super::flying_board::Applied;
 use super::sensed_motion::SensedMotion;
-use super::tier::Applied;
 use chip_models::Stimulus;
 
 /// Longest step of the dynamics, ns.

@@ -15,14 +15,16 @@ use reflex::time::{Instant, seconds};
 
 use crate::logics::{AnyLogic, Start};
 use crate::record::Mirror;
-use crate::scoring::{Clock, Command, Flight, Held, LOADS, LoadRules, Rules, Run, Score, score};
+use crate::scoring::{
+    Clock, Command, FlightSteps, Held, LOADS, LoadRules, Rules, Run, Score, score,
+};
 
 /// A replay as its calls show it.
 pub(crate) struct Timeline<'c> {
     pub(crate) calls: &'c [Stamped],
     start: Start,
     start_us: u64,
-    pub(crate) flight: Flight,
+    pub(crate) flight: FlightSteps,
     /// Places among the calls of the samples that ended the flight's hyperperiods.
     ends: Vec<usize>,
     /// For each call, whether it is a sample behind which the hyperperiod's task ran.
@@ -67,7 +69,7 @@ impl<'c> Timeline<'c> {
             calls,
             start: *start,
             start_us,
-            flight: Flight::new(start_us, held_at(calls, start_us, start.airframe.count())),
+            flight: FlightSteps::new(start_us, held_at(calls, start_us, start.airframe.count())),
             ends: Vec::new(),
             answered: answered(calls),
             mirror: Mirror::new(start),

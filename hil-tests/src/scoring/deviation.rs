@@ -1,7 +1,7 @@
 //! How far held commands stray from the reference: one measure for all.
 
 use super::felt::{Lag, Motors};
-use super::flight::Command;
+use super::flight_steps::Command;
 use schemars::JsonSchema;
 use serde::Serialize;
 

@@ -1,6 +1,6 @@
 //! What motors feel of a deviation: it behind their lag.
 
-use super::flight::seconds;
+use super::flight_steps::seconds;
 use reflex::settings::MOST_MOTORS;
 
 /// Time constant of a motor in s: between those with which the rotors of

@@ -20,7 +20,7 @@
 //!   of the one before, since the newer sample was not there yet.
 
 use super::deviation::{Strayed, Straying, differs};
-use super::flight::{Command, Flight, Run, Step};
+use super::flight_steps::{Command, FlightSteps, Run, Step};
 use super::rules::Rules;
 use reflex::app::Reason;
 
@@ -50,7 +50,7 @@ pub(super) struct Judged {
 }
 
 /// Judges every hyperperiod of a flight, warm-up included, in order.
-pub(super) fn judge(flight: &Flight, rules: &Rules) -> Vec<Judged> {
+pub(super) fn judge(flight: &FlightSteps, rules: &Rules) -> Vec<Judged> {
     let mut judge = Judge {
         rules,
         missed: false,

@@ -1,7 +1,7 @@
 //! How long the motors waited for the newest gating sample.
 
 use super::deviation::finite;
-use super::flight::Flight;
+use super::flight_steps::FlightSteps;
 use super::reason::ByReason;
 use reflex::app::Reason;
 use schemars::JsonSchema;
@@ -51,7 +51,7 @@ impl Quantiles {
 
 /// Percentiles of each reason's runs after warm-up; null for a reason without any.
 #[must_use]
-pub fn latencies(flight: &Flight, samples: &[LatencySample]) -> ByReason<Option<Quantiles>> {
+pub fn latencies(flight: &FlightSteps, samples: &[LatencySample]) -> ByReason<Option<Quantiles>> {
     let end_us = flight.warm_up_end_us().unwrap_or(u64::MAX);
     let mut by_reason = ByReason::<Vec<f64>>::default();
     for sample in samples.iter().filter(|sample| sample.at_us > end_us) {

@@ -9,7 +9,7 @@
 //! proven minima.
 
 use super::deviation::{Deviation, Straying, Tally, differs};
-use super::flight::{Command, Scored, seconds};
+use super::flight_steps::{Command, Scored, seconds};
 use super::rules::Rules;
 use reflex::airframe::Axes;
 use schemars::JsonSchema;

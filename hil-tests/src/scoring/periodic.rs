@@ -9,7 +9,7 @@
 //! Where periodic control happens to run is luck, so every form is the mean over [`PHASES`].
 
 use super::deviation::{Deviation, Straying, Tally, rate};
-use super::flight::{Command, Flight, Scored};
+use super::flight_steps::{Command, FlightSteps, Scored};
 use super::load::Reach;
 use super::rules::{LoadRules, Rules};
 use schemars::JsonSchema;
@@ -127,7 +127,7 @@ pub(super) fn ideal(scored: &Scored<'_>, quantum: f32, runs: u64, phase: f64) ->
 /// `fly` gets a clock and returns what each hyperperiod of the whole flight held, the warm-up's
 /// too. It is not called where nothing is scored.
 pub(super) struct Flown<'f, F> {
-    pub flight: &'f Flight,
+    pub flight: &'f FlightSteps,
     pub rules: &'f Rules,
     pub fly: F,
 }

@@ -11,6 +11,7 @@ use reflex::settings::Settings;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// The report, one flat JSON object.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -106,6 +107,15 @@ pub enum Tier {
     Emulated,
     /// The host, around the autopilot alone.
     Native,
+}
+
+impl fmt::Display for Tier {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Emulated => "emulated",
+            Self::Native => "native",
+        })
+    }
 }
 
 /// Options in effect, in the spelling of the command line.

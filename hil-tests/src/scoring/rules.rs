@@ -1,6 +1,6 @@
 //! What the scores depend on besides the flight itself.
 
-use super::flight::Command;
+use super::flight_steps::Command;
 use super::load::Cost;
 use reflex::airframe::{Axes, Mixer};
 use reflex::config::{GEOMETRY, SETTINGS};

@@ -1,7 +1,7 @@
 //! Control, decisions, calibration, actuators of a flight or a window.
 
 use super::deviation::{Deviation, Tally, rate, share};
-use super::flight::{Flight, Step, seconds};
+use super::flight_steps::{FlightSteps, Step, seconds};
 use super::judge::{Class, Judged};
 use super::reason::ByReason;
 use super::rules::Rules;
@@ -186,7 +186,7 @@ impl Actuators {
 ///
 /// A hyperperiod belongs to the window in which it ended. A window that a gap in the flight
 /// left without any is there too, with nulls, so that the windows' times stay evenly spaced.
-pub(super) fn windows(flight: &Flight, judged: &[Judged], rules: &Rules) -> Vec<Window> {
+pub(super) fn windows(flight: &FlightSteps, judged: &[Judged], rules: &Rules) -> Vec<Window> {
     let scored = flight.scored();
     let (mut steps, mut judged) = (scored.steps, judged.get(scored.first..).unwrap_or_default());
     let mut start_us = scored.start_us;

@@ -14,7 +14,7 @@ mod report;
 mod summary;
 mod windows;
 
-use super::{Clock, Command, Flight, Held, Rules, Run, Score, score};
+use super::{Clock, Command, FlightSteps, Held, Rules, Run, Score, score};
 use reflex::app::Reason;
 use reflex::config::GEOMETRY;
 
@@ -52,20 +52,20 @@ fn rules() -> Rules {
 }
 
 /// A flight from 0 us whose warm-up is one hyperperiod that ran and held `start`.
-fn after_warm_up(start: f32) -> Flight {
-    let mut flight = Flight::new(0, all(0.0));
+fn after_warm_up(start: f32) -> FlightSteps {
+    let mut flight = FlightSteps::new(0, all(0.0));
     flight.end_hyperperiod(1000, all(start), run(Reason::WarmUp, start));
     flight.end_warm_up(1000);
     flight
 }
 
 /// Ends the next hyperperiod, 1 ms after the last.
-fn end(flight: &mut Flight, reference: f32, run: Option<Run>) {
+fn end(flight: &mut FlightSteps, reference: f32, run: Option<Run>) {
     flight.end_hyperperiod(flight.last_us() + 1000, all(reference), run);
 }
 
 /// Holds the reference at the hyperperiods that a periodic policy with this clock would reach.
-fn fly(flight: &Flight, clock: Clock) -> Vec<Held> {
+fn fly(flight: &FlightSteps, clock: Clock) -> Vec<Held> {
     let period_us = 1e6 / clock.rate_hz;
     let mut held = all(0.0);
     let mut due_us = clock.phase * period_us - period_us;
@@ -85,6 +85,6 @@ fn fly(flight: &Flight, clock: Clock) -> Vec<Held> {
         .collect()
 }
 
-fn scored(flight: &Flight) -> Score {
+fn scored(flight: &FlightSteps) -> Score {
     score(flight, &rules(), |clock| fly(flight, clock))
 }

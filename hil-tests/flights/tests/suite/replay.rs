@@ -9,9 +9,9 @@ const STANDSTILL_NS: u64 = 1_500_000_000;
 #[test]
 fn before_the_flight_the_drone_rests_in_its_first_attitude() {
     let tilted = flight(2.0, |_| ([1.0, 2.0, 3.0], [0.0, 3.0, -4.0]));
-    let felt = FlightStimulus::new(&tilted, Standstill::default()).at(STANDSTILL_NS - 60_000_000);
-    assert_eq!(felt.gyro, [0.0; 3]);
-    let [x, y, z] = felt.specific_force;
+    let sensed = FlightStimulus::new(&tilted, Standstill::default()).at(STANDSTILL_NS - 60_000_000);
+    assert_eq!(sensed.gyro, [0.0; 3]);
+    let [x, y, z] = sensed.specific_force;
     assert_eq!(x, 0.0);
     assert!((y - 0.6 * STANDARD_GRAVITY).abs() < 1e-9);
     assert!((z + 0.8 * STANDARD_GRAVITY).abs() < 1e-9);

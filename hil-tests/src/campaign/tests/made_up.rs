@@ -31,7 +31,7 @@ pub(in crate::campaign) fn landed(role: Role, seed: u32, pitch: f64) -> Landed {
         gains: None,
         bandwidth: 1.0,
         mission: "waypoints".into(),
-        tier: "native".into(),
+        tier: Tier::Native,
         policy: "reactive".into(),
         rate_hz: None,
         clock_mhz: 168,

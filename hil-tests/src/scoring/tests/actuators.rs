@@ -3,7 +3,7 @@
 use super::super::section::Actuators;
 use super::*;
 
-fn actuators(flight: &Flight) -> Actuators {
+fn actuators(flight: &FlightSteps) -> Actuators {
     scored(flight).section.actuators
 }
 
@@ -66,7 +66,7 @@ fn an_early_run_takes_the_references_command_of_the_hyperperiod_before() {
 #[test]
 fn what_the_trigger_held_before_scoring_is_what_the_warm_up_left() {
     // The warm-up's reference strays from its command: only the state is to blame.
-    let mut flight = Flight::new(0, all(0.0));
+    let mut flight = FlightSteps::new(0, all(0.0));
     flight.end_hyperperiod(1000, all(0.75), run(Reason::WarmUp, 0.25));
     flight.end_warm_up(1000);
     end(&mut flight, 0.75, None);

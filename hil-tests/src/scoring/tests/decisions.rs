@@ -3,7 +3,7 @@
 use super::super::section::Decisions;
 use super::*;
 
-fn decisions(flight: &Flight) -> Decisions {
+fn decisions(flight: &FlightSteps) -> Decisions {
     scored(flight).section.decisions
 }
 

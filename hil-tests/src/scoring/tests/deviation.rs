@@ -4,7 +4,7 @@ use super::super::{Deviation, Section};
 use super::*;
 use proptest::prelude::*;
 
-fn of(flight: &Flight) -> Deviation {
+fn of(flight: &FlightSteps) -> Deviation {
     scored(flight).section.actuators.deviation
 }
 
@@ -33,7 +33,7 @@ fn what_is_felt_of_a_hyperperiod_begins_with_the_next() {
 
 #[test]
 fn what_the_warm_up_held_is_felt_behind_it() {
-    let mut flight = Flight::new(0, all(0.5));
+    let mut flight = FlightSteps::new(0, all(0.5));
     flight.end_hyperperiod(1000, all(0.75), run(Reason::WarmUp, 0.5));
     flight.end_warm_up(1000);
     end(&mut flight, 0.75, run(Reason::Trigger, 0.75));
@@ -61,7 +61,7 @@ proptest! {
     fn a_constant_deviation_is_felt_as_it_is(
         off in 0.01..0.4_f32, lengths_us in prop::collection::vec(1..5_000_000_u64, 1..50)
     ) {
-        let mut flight = Flight::new(0, all(0.5));
+        let mut flight = FlightSteps::new(0, all(0.5));
         flight.end_hyperperiod(1000, all(0.5 + off), run(Reason::WarmUp, 0.5));
         flight.end_warm_up(1000);
         for length_us in lengths_us {

@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn a_step_knows_what_was_held_before_at_and_after_its_decision() {
-    let mut flight = Flight::new(500, all(0.125));
+    let mut flight = FlightSteps::new(500, all(0.125));
     flight.run_early(run(Reason::Failsafe, 0.25).unwrap());
     flight.run_early(run(Reason::Setpoint, 0.375).unwrap());
     flight.end_hyperperiod(1500, all(0.5), run(Reason::Trigger, 0.5));
@@ -29,7 +29,7 @@ fn a_step_knows_what_was_held_before_at_and_after_its_decision() {
 
 #[test]
 fn the_hyperperiod_that_ends_with_the_warm_up_is_not_scored() {
-    let mut flight = Flight::new(1000, all(0.0));
+    let mut flight = FlightSteps::new(1000, all(0.0));
     for at_us in [2000, 3000, 4000, 5000] {
         flight.end_hyperperiod(at_us, all(0.5), run(Reason::WarmUp, 0.5));
     }
@@ -50,7 +50,7 @@ fn the_hyperperiod_that_ends_with_the_warm_up_is_not_scored() {
 
 #[test]
 fn a_flight_that_never_leaves_warm_up_has_no_shares() {
-    let mut flight = Flight::new(0, all(0.0));
+    let mut flight = FlightSteps::new(0, all(0.0));
     for _ in 0..5 {
         end(&mut flight, 0.5, run(Reason::WarmUp, 0.5));
     }
@@ -77,7 +77,7 @@ fn a_flight_that_never_leaves_warm_up_has_no_shares() {
 
 #[test]
 fn an_empty_flight_is_scored_as_nothing() {
-    let score = scored(&Flight::new(7, all(0.0)));
+    let score = scored(&FlightSteps::new(7, all(0.0)));
     assert_eq!(
         (score.duration_s, score.hyperperiods, score.scored),
         (0.0, 0, false)

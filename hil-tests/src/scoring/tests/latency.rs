@@ -52,7 +52,7 @@ fn a_flight_still_in_warm_up_has_no_latencies() {
         micros: 1.0,
     };
     assert_eq!(
-        latencies(&Flight::new(0, all(0.0)), &[sample]).warm_up,
+        latencies(&FlightSteps::new(0, all(0.0)), &[sample]).warm_up,
         None
     );
 }

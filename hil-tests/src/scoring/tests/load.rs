@@ -5,7 +5,7 @@ use super::super::{Cost, LoadRules, Reach};
 use super::*;
 
 /// A flight of 10 s at 1 kHz.
-fn flight() -> Flight {
+fn flight() -> FlightSteps {
     let mut flight = after_warm_up(0.5);
     for index in 0..10_000 {
         end(&mut flight, 0.5 + (index % 7) as f32 / 256.0, None);
@@ -70,7 +70,7 @@ fn a_load_that_no_rate_takes_is_set_beside_the_nearest_and_said() {
 #[test]
 fn nothing_is_flown_where_nobody_measured_or_nothing_is_scored() {
     assert_eq!(scored(&flight()).periodic_equal_load, None);
-    let empty = Flight::new(0, all(0.5));
+    let empty = FlightSteps::new(0, all(0.5));
     let rules = rules();
     let mut periodic = Flown {
         flight: &empty,

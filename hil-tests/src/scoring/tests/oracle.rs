@@ -4,7 +4,7 @@ use super::super::oracle::{Bound, Track};
 use super::*;
 
 /// A flight of which only the reference matters, one hyperperiod a millisecond.
-fn reference(commands: &[f32]) -> Flight {
+fn reference(commands: &[f32]) -> FlightSteps {
     let mut flight = after_warm_up(0.5);
     for share in commands {
         end(&mut flight, *share, None);
@@ -12,7 +12,7 @@ fn reference(commands: &[f32]) -> Flight {
     flight
 }
 
-fn track(flight: &Flight, failsafe_us: u64) -> Track {
+fn track(flight: &FlightSteps, failsafe_us: u64) -> Track {
     let rules = Rules {
         failsafe_us,
         ..rules()
@@ -20,13 +20,13 @@ fn track(flight: &Flight, failsafe_us: u64) -> Track {
     Track::new(&flight.scored(), &rules)
 }
 
-fn held_within(flight: &Flight, failsafe_us: u64, bound: Bound) -> (u64, Vec<f32>) {
+fn held_within(flight: &FlightSteps, failsafe_us: u64, bound: Bound) -> (u64, Vec<f32>) {
     let mut held = Vec::new();
     let runs = track(flight, failsafe_us).hold(bound, |_, command, _| held.push(command[0]));
     (runs, held)
 }
 
-fn held(flight: &Flight, failsafe_us: u64, dead_band: f32) -> (u64, Vec<f32>) {
+fn held(flight: &FlightSteps, failsafe_us: u64, dead_band: f32) -> (u64, Vec<f32>) {
     held_within(flight, failsafe_us, Bound::DeadBand(dead_band))
 }
 

@@ -3,7 +3,7 @@
 use super::super::periodic::{Flown, PHASES, Periodic, ideal, periodic_ideal};
 use super::*;
 
-fn ramp(hyperperiods: u64) -> Flight {
+fn ramp(hyperperiods: u64) -> FlightSteps {
     let mut flight = after_warm_up(0.0);
     for index in 1..=hyperperiods {
         end(&mut flight, index as f32 / 1024.0, None);
@@ -12,7 +12,7 @@ fn ramp(hyperperiods: u64) -> Flight {
 }
 
 fn periodic_equal(
-    flight: &Flight,
+    flight: &FlightSteps,
     rules: &Rules,
     target: u64,
     fly: impl FnMut(Clock) -> Vec<Held>,
@@ -48,7 +48,7 @@ fn a_phase_of_the_ideal_form_moves_its_first_run() {
 }
 
 /// A swing with as many hyperperiods a turn, 24, as periodic control has between 200 runs.
-fn swing(shifted: u64) -> Flight {
+fn swing(shifted: u64) -> FlightSteps {
     let mut flight = after_warm_up(0.5);
     for index in shifted..shifted + 200 * 24 {
         let angle = std::f32::consts::TAU * (index % 24) as f32 / 24.0;
@@ -58,7 +58,7 @@ fn swing(shifted: u64) -> Flight {
 }
 
 /// The largest over the least deviation of periodic control, wherever in a swing a flight begins.
-fn spread(fly: impl Fn(&Flight, Clock) -> Vec<Held>) -> f64 {
+fn spread(fly: impl Fn(&FlightSteps, Clock) -> Vec<Held>) -> f64 {
     let all = (0..24).map(|shifted| {
         let flight = swing(shifted);
         let found = periodic_equal(&flight, &rules(), 200, |clock| fly(&flight, clock));
@@ -193,7 +193,7 @@ fn its_own_command_is_scored_and_only_after_warm_up() {
 
 #[test]
 fn nothing_is_flown_where_nothing_is_scored() {
-    let flight = Flight::new(0, all(0.0));
+    let flight = FlightSteps::new(0, all(0.0));
     let found = periodic_equal(&flight, &rules(), 5, |_| panic!("flown"));
     assert_eq!((found.runs, found.rate_hz), (0, None));
 }

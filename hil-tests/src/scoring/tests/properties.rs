@@ -35,8 +35,8 @@ fn hyperperiod() -> impl Strategy<Value = Ingredients> {
     )
 }
 
-fn build(warm_up: usize, hyperperiods: &[Ingredients]) -> Flight {
-    let mut flight = Flight::new(0, all(0.5));
+fn build(warm_up: usize, hyperperiods: &[Ingredients]) -> FlightSteps {
+    let mut flight = FlightSteps::new(0, all(0.5));
     let mut reference = all(0.5);
     for (index, (length_us, moves, early, last)) in hyperperiods.iter().enumerate() {
         let to_run = |(reason, asked, error): (usize, bool, f32), command: Command| Run {
@@ -60,12 +60,12 @@ fn build(warm_up: usize, hyperperiods: &[Ingredients]) -> Flight {
     flight
 }
 
-fn flights() -> impl Strategy<Value = Flight> {
+fn flights() -> impl Strategy<Value = FlightSteps> {
     (1..50_usize, prop::collection::vec(hyperperiod(), 1..200))
         .prop_map(|(warm_up, hyperperiods)| build(warm_up, &hyperperiods))
 }
 
-fn score_of(flight: &Flight) -> Score {
+fn score_of(flight: &FlightSteps) -> Score {
     score(flight, &Rules::default(), |clock| fly(flight, clock))
 }
 
@@ -121,7 +121,7 @@ proptest! {
 
     #[test]
     fn a_policy_that_applies_the_reference_everywhere_strays_nowhere(flight in flights()) {
-        let mut perfect = Flight::new(0, all(0.5));
+        let mut perfect = FlightSteps::new(0, all(0.5));
         for (index, step) in flight.steps().iter().enumerate() {
             let run = Run {
                 reason: Reason::Trigger,
@@ -156,7 +156,7 @@ proptest! {
 
     #[test]
     fn a_policy_with_the_references_state_is_stale_by_its_trigger_alone(flight in flights()) {
-        let mut ideal = Flight::new(0, all(0.5));
+        let mut ideal = FlightSteps::new(0, all(0.5));
         for (index, step) in flight.steps().iter().enumerate() {
             let run = step.run.map(|run| Run { command: step.reference, ..run });
             ideal.end_hyperperiod(step.at_us, step.reference, run);

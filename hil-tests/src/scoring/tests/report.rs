@@ -9,8 +9,8 @@ use reflex::settings::Settings;
 use serde_json::{Value, json};
 
 /// A short flight in which everything happens at least once.
-pub(super) fn flight_of(hyperperiod_us: u64) -> Flight {
-    let mut flight = Flight::new(0, all(0.0));
+pub(super) fn flight_of(hyperperiod_us: u64) -> FlightSteps {
+    let mut flight = FlightSteps::new(0, all(0.0));
     let mut end = |reference, early, run| {
         if let Some(early) = early {
             flight.run_early(early);
@@ -31,7 +31,7 @@ pub(super) fn flight_of(hyperperiod_us: u64) -> Flight {
     flight
 }
 
-fn flight() -> Flight {
+fn flight() -> FlightSteps {
     flight_of(1000)
 }
 
@@ -69,7 +69,7 @@ fn options() -> Options {
     }
 }
 
-pub(super) fn run_report(flight: &Flight) -> RunReport {
+pub(super) fn run_report(flight: &FlightSteps) -> RunReport {
     let latency = |reason, micros| LatencySample {
         at_us: flight.last_us(),
         reason,
@@ -118,7 +118,7 @@ pub(super) fn run_report(flight: &Flight) -> RunReport {
     }
 }
 
-fn report(flight: &Flight) -> Report {
+fn report(flight: &FlightSteps) -> Report {
     Report {
         run: run_report(flight),
         score: scored(flight),
@@ -126,7 +126,7 @@ fn report(flight: &Flight) -> Report {
     }
 }
 
-fn json_of(flight: &Flight) -> Value {
+fn json_of(flight: &FlightSteps) -> Value {
     serde_json::from_str(&report(flight).to_json().unwrap()).unwrap()
 }
 
@@ -185,7 +185,7 @@ fn the_short_flights_numbers_are_those_worked_out_by_hand() {
 
 #[test]
 fn what_has_no_value_is_null_and_nothing_is_infinite() {
-    let mut flight = Flight::new(0, all(0.0));
+    let mut flight = FlightSteps::new(0, all(0.0));
     end(&mut flight, f32::NAN, run(Reason::WarmUp, f32::INFINITY));
     let json = json_of(&flight);
     for pointer in [

@@ -135,7 +135,7 @@ fn a_saturated_flight_is_not_judged() {
 
 #[test]
 fn a_flight_that_never_leaves_warm_up_says_so() {
-    let mut short = Flight::new(0, all(0.0));
+    let mut short = FlightSteps::new(0, all(0.0));
     end(&mut short, 0.5, run(Reason::WarmUp, 0.5));
     let text = text(|report| report.score = scored(&short));
     assert!(text.contains("of these 0.0 s unfinished warm-up, then 0 hyperperiods"));

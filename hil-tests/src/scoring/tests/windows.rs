@@ -5,7 +5,7 @@ use super::*;
 
 #[test]
 fn windows_start_at_the_warm_ups_end_and_the_last_is_shorter() {
-    let mut flight = Flight::new(1_000_000, all(0.0));
+    let mut flight = FlightSteps::new(1_000_000, all(0.0));
     flight.end_hyperperiod(2_000_000, all(0.5), run(Reason::WarmUp, 0.5));
     flight.end_warm_up(2_000_000);
     // Ends at 12 s belongs to the first window, one at 13 s to the second.

@@ -51,7 +51,7 @@ impl Step {
 
 /// A whole flight, from its first hyperperiod, warm-up included.
 #[derive(Clone, Debug)]
-pub struct Flight {
+pub struct FlightSteps {
     start_us: u64,
     initial: Command,
     warm_up_end_us: Option<u64>,
@@ -59,7 +59,7 @@ pub struct Flight {
     early: Vec<Run>,
 }
 
-impl Flight {
+impl FlightSteps {
     /// An empty flight that starts at `start_us` of the firmware's clock.
     ///
     /// `initial` is what the motors held before the first run.

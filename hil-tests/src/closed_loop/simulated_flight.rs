@@ -8,12 +8,12 @@ use reflex::reactive::Phase;
 
 use super::contention::Processor;
 use super::desired::Desired;
-use super::emulated::EmulatedTier;
+use super::emulated::FlyingEmulatedBoard;
+use super::flying_board::{Applied, FlyingBoard, TimedRan};
 use super::measures::Measures;
 use super::mission::{Course, Target};
-use super::native::NativeTier;
+use super::native::FlyingNativeBoard;
 use super::station::{Station, TAKE_OFF_NS};
-use super::tier::{Applied, Tier, TimedRan};
 use super::track::{KEPT_NS, Moment};
 use super::world::{LONGEST_STEP_NS, World};
 use super::{FlyOptions, Flyer, Scene};
@@ -27,10 +27,10 @@ const LOOK_NS: u64 = 10_000_000;
 const UP_S: f64 = 10.0;
 
 /// A flight under way.
-pub(super) struct Flight<'o> {
+pub(super) struct SimulatedFlight<'o> {
     pub(super) options: &'o FlyOptions,
     pub(super) world: World,
-    pub(super) tier: Box<dyn Tier>,
+    pub(super) board: Box<dyn FlyingBoard>,
     course: Course,
     station: Station,
     processor: Processor,
@@ -53,7 +53,7 @@ pub(super) struct Scored {
     pub(super) looks: u64,
 }
 
-impl<'o> Flight<'o> {
+impl<'o> SimulatedFlight<'o> {
     pub(super) fn new(scene: &Scene, options: &'o FlyOptions, flyer: Flyer<'_>) -> Result<Self> {
         let seed = u64::from(options.settings.seed);
         let mut vehicle = scene.vehicle.clone();
@@ -70,15 +70,17 @@ impl<'o> Flight<'o> {
             noise: true,
             ..ChipOptions::default()
         };
-        let tier: Box<dyn Tier> = match flyer {
-            Flyer::Native => Box::new(NativeTier::boot(&start, &source, chips)),
-            Flyer::Emulated(core) => Box::new(EmulatedTier::boot(&core, &start, &source, chips)?),
+        let board: Box<dyn FlyingBoard> = match flyer {
+            Flyer::Native => Box::new(FlyingNativeBoard::boot(&start, &source, chips)),
+            Flyer::Emulated(core) => {
+                Box::new(FlyingEmulatedBoard::boot(&core, &start, &source, chips)?)
+            }
         };
         let flies_to_goals = start.logic().flies_to_goals();
         Ok(Self {
             options,
             world,
-            tier,
+            board,
             course: Course::new(options.mission, scene.environment.area_m, seed),
             station: Station::new(flies_to_goals, &scene.tracking, seed),
             processor: Processor::new(options.contention, seed),
@@ -104,11 +106,11 @@ impl<'o> Flight<'o> {
     pub(super) fn step(&mut self) -> Result<()> {
         let next_ns = self.next_ns();
         self.world.advance_to(next_ns)?;
-        self.tier.run_until(next_ns)?;
+        self.board.run_until(next_ns)?;
         let passes = |mark_ns: u64| next_ns / mark_ns > self.now_ns / mark_ns;
         let (looks, keeps) = (passes(LOOK_NS), passes(KEPT_NS));
         self.now_ns = next_ns;
-        self.tier.take(&mut self.applied, &mut self.runs);
+        self.board.take(&mut self.applied, &mut self.runs);
         let delay_ns = (self.options.stress.delay_s * 1e9) as u64;
         for mut applied in self.applied.drain(..) {
             applied.at_ns = self.processor.applies_ns(applied.at_ns) + delay_ns;
@@ -129,10 +131,10 @@ impl<'o> Flight<'o> {
     /// Where the next step ends: at an update event of the motors' timers, and before any command
     /// applies that is not given yet.
     fn next_ns(&self) -> u64 {
-        let offset_ns = self.tier.update_offset_ns() % self.step_ns;
+        let offset_ns = self.board.update_offset_ns() % self.step_ns;
         let begun = (self.now_ns + self.step_ns - offset_ns) / self.step_ns;
         let next_ns = (begun * self.step_ns + offset_ns).max(self.now_ns + 1);
-        let soonest_ns = self.tier.soonest_command_ns();
+        let soonest_ns = self.board.soonest_command_ns();
         let further_ns = (next_ns + self.step_ns).min(self.now_ns + LONGEST_STEP_NS);
         if further_ns <= soonest_ns {
             further_ns
@@ -153,9 +155,9 @@ impl<'o> Flight<'o> {
             .station
             .speak(self.now_ns, (&position, &velocity), &target);
         for frame in frames {
-            self.tier.transmit(frame);
+            self.board.transmit(frame);
         }
-        let desired = self.tier.desired();
+        let desired = self.board.desired();
         if keeps {
             self.keep(&target, &desired);
         }
@@ -177,7 +179,7 @@ impl<'o> Flight<'o> {
     fn judge(&mut self, target: &Target, desired: &Desired) {
         let state = self.world.state();
         if self.scored.is_none() && self.begins_to_count() {
-            self.tier.begin_scored();
+            self.board.begin_scored();
             self.scored = Some(Scored {
                 from_ns: self.now_ns,
                 energy_j: state.energy_used,
@@ -201,7 +203,7 @@ impl<'o> Flight<'o> {
     fn begins_to_count(&self) -> bool {
         match self.options.scored_from_s {
             Some(from_s) => self.since_take_off_s() >= from_s,
-            None => self.since_take_off_s() >= UP_S && self.tier.phase() != Phase::WarmUp,
+            None => self.since_take_off_s() >= UP_S && self.board.phase() != Phase::WarmUp,
         }
     }
 

@@ -32,7 +32,7 @@ pub(super) struct Ended {
 }
 
 /// One flight's autopilot with its sensors, buses and timers.
-pub(super) trait Tier {
+pub(super) trait FlyingBoard {
     /// Runs to an instant of virtual time, ns.
     ///
     /// # Errors
