@@ -5,9 +5,9 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-mod flight;
-#[cfg(target_os = "none")]
 mod refits;
+#[cfg(target_os = "none")]
+mod sample;
 #[cfg(target_os = "none")]
 mod triggers;
 
@@ -25,7 +25,7 @@ mod program {
     use reflex_bench::marks::{done, measured, rounds};
     use stm32f4xx_hal as _;
 
-    use crate::{flight, refits, triggers};
+    use crate::{refits, sample, triggers};
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
@@ -34,7 +34,7 @@ mod program {
         core.DWT.enable_cycle_counter();
         rounds(NOTHING, |_| measured(|| ()));
         triggers::measure();
-        flight::measure();
+        sample::measure();
         refits::measure();
         done();
         loop {
