@@ -36,9 +36,9 @@ pub enum Metric {
 pub struct Comparison {
     /// Its name in tables and JSON.
     pub name: String,
-    /// What is better or worse.
+    /// The role that is better or worse.
     pub of: Role,
-    /// Than what.
+    /// The role that it is better or worse than.
     pub against: Role,
     /// Its line in the headline, where it has one.
     #[serde(skip)]

@@ -30,15 +30,15 @@ pub struct Findings {
     pub hours: ByTier<f64>,
     /// Flights, by tier.
     pub flights: ByTier<usize>,
-    /// Runs of the firmware, each of which gave the host's command bit by bit.
+    /// Runs of the firmware, all of which gave the host's command bit by bit.
     pub equal_runs: u64,
     /// Flights that ended before their time, in words.
     pub crashes: Vec<String>,
     /// Flights of the plan.
     pub planned: usize,
-    /// Of these, not flown yet.
+    /// Flights of the plan that are not flown yet.
     pub missing: usize,
-    /// Of these, without a rate: the flight that decides it crashed.
+    /// Flights of the plan without a rate: the flight that decides it crashed.
     pub undecided: usize,
     /// Every comparison with its result.
     pub comparisons: Vec<Compared>,
@@ -52,7 +52,7 @@ pub struct Findings {
     pub means: Vec<Means>,
     /// The processor's load.
     pub loads: Vec<Load>,
-    /// Instructions of a run, by logic.
+    /// Mean instructions of a run, by logic and way.
     pub ways: Vec<Ways>,
 }
 

@@ -12,7 +12,7 @@ pub const CONFIDENCE: f64 = 0.95;
 pub struct Interval {
     /// Mean.
     pub mean: f64,
-    /// Half of the 95 % confidence interval (Student's t); none for a single seed.
+    /// Half of the 95 % confidence interval (Student's t); null for a single seed.
     pub half_width: Option<f64>,
     /// Values that it is of.
     pub count: usize,

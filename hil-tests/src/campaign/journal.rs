@@ -37,11 +37,11 @@ pub struct Stamp {
 pub struct Ways {
     /// Name of the control logic.
     pub logic: String,
-    /// Ours.
+    /// Ours: the graph, which computes what a change reaches.
     pub ours: u64,
-    /// Callbacks, depth first.
+    /// Callbacks through function pointers, depth first.
     pub callbacks: u64,
-    /// The paper's RP-Embedded: a pointer vector.
+    /// The pointer vector of the paper's RP-Embedded.
     pub pointer_vector: u64,
 }
 

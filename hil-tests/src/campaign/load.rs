@@ -32,7 +32,7 @@ pub struct Load {
     pub busy: f64,
     /// Runs per second in that flight.
     pub rate_hz: f64,
-    /// Share of these runs that were time-triggered, to learn or not trusting that.
+    /// Share of these runs that were time-triggered: to learn, or because models were not trusted.
     pub learning: f64,
     /// What time-triggered control takes.
     pub periodic: PeriodicLoad,

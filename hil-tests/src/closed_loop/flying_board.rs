@@ -25,7 +25,7 @@ pub(super) type TimedRan = (u64, Ran);
 pub(super) struct Ended {
     /// What the processor did in the scored part, where there is one.
     pub(super) cpu: Option<Cpu>,
-    /// The fingerprint of all motor commands.
+    /// The digest of all motor commands.
     pub(super) digest: String,
     /// The instructions of the scored part, where they were to be counted.
     pub(super) counted: Option<Counted>,

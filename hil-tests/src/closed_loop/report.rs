@@ -17,25 +17,25 @@ pub struct FlightReport {
     pub airframe: String,
     /// Name of the control logic.
     pub logic: String,
-    /// Its gains where they are not its own: a name or a file; null else.
+    /// Gains of the control logic, if not those of its own file: a name or a file; else null.
     pub gains: Option<String>,
     /// How many times as fast as configured attitude and rate loops are.
     pub bandwidth: f64,
     /// `hover` or `waypoints`.
     pub mission: String,
-    /// Who played the board.
+    /// Where the autopilot ran: `emulated` or `native`.
     pub tier: Tier,
     /// `reactive` or `periodic`.
     pub policy: String,
-    /// Runs per second that were asked for; none for the reactive policy.
+    /// Runs per second that were asked for; null for the reactive policy.
     pub rate_hz: Option<f64>,
-    /// Speed of the core in MHz, of which each is a million instructions per second.
+    /// Speed of the core in MHz, a million instructions per second each.
     pub clock_mhz: u32,
     /// Seed of wind, noise, oscillators, waypoints and exploration.
     pub seed: u32,
     /// From take-off to the end, s.
     pub duration_s: f64,
-    /// Where the scored part begins, s from take-off; none where the flight ended before.
+    /// Where the scored part begins, s from take-off; null where the flight ended before.
     pub scored_from_s: Option<f64>,
     /// The drone hit the ground or turned over.
     pub crashed: bool,
@@ -49,7 +49,7 @@ pub struct FlightReport {
     pub turning_rad_s: Option<f64>,
     /// When control ran.
     pub control: Control,
-    /// What the processor did in the scored part; none natively.
+    /// What the processor did in the scored part; null in the native tier, which has none.
     pub cpu: Option<Cpu>,
     /// Energy drawn from the battery from take-off to the end, J.
     pub energy_j: f64,
@@ -59,7 +59,7 @@ pub struct FlightReport {
     pub flight_time_s: Option<f64>,
     /// Mean speed of the wind that was met in the scored part, m/s.
     pub wind_m_s: Option<f64>,
-    /// Fingerprint of all motor commands with their instants.
+    /// SHA-256 of all motor commands with their instants.
     pub digest: String,
 }
 
@@ -78,7 +78,7 @@ pub struct CrashReport {
     pub attitude_deg: [f64; 3],
 }
 
-/// One error per axis; none where that axis was never asked for.
+/// One error per axis; null where that axis was never asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AxisErrors {
     /// About the forward axis.

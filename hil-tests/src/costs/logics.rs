@@ -38,11 +38,11 @@ pub struct LogicCost {
     pub everything: WayCost,
     /// The same where one input alone changed, ours.
     pub by_input: BTreeMap<String, u64>,
-    /// The same as callbacks.
+    /// The same by callbacks.
     pub callbacks_by_input: BTreeMap<String, u64>,
-    /// The same as a pointer vector.
+    /// The same by a pointer vector.
     pub pointer_vector_by_input: BTreeMap<String, u64>,
-    /// Steps, of all, in which ours took as many as another reactive way or more.
+    /// Steps in which ours took as many instructions as callbacks or a pointer vector, or more.
     pub not_least: usize,
     /// Bytes that the graph takes.
     pub ram_bytes: usize,
@@ -57,11 +57,11 @@ pub struct LogicCost {
 pub struct WayCost {
     /// One function that computes everything.
     pub time_triggered: u64,
-    /// Ours.
+    /// Ours: the graph, which computes what a change reaches.
     pub reactive: u64,
-    /// Callbacks, depth first.
+    /// Callbacks through function pointers, depth first.
     pub callbacks: u64,
-    /// RP-Embedded's vectors.
+    /// The pointer vector of the paper's RP-Embedded.
     pub pointer_vector: u64,
 }
 

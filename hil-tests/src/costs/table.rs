@@ -26,11 +26,11 @@ pub struct Costs {
 /// What one part costs.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Cost {
-    /// What it is.
+    /// What was measured.
     pub name: String,
-    /// Instructions of the dearest of all measurements.
+    /// Instructions of the dearest measurement.
     pub instructions: u64,
-    /// Instructions of the one in the middle.
+    /// Instructions of the median.
     pub typical: u64,
     /// How often it was measured.
     pub measured: usize,

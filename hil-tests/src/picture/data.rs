@@ -31,13 +31,13 @@ pub struct ValueData {
     pub of_type: String,
     /// `input`, `state`, `node` or `output`.
     pub kind: &'static str,
-    /// What computes it; none for an input.
+    /// What computes it; null for an input.
     pub function: Option<&'static str>,
     /// What the function is given.
     pub reads: Vec<ReadData>,
     /// The input that clocks a state.
     pub clock: Option<&'static str>,
-    /// The smallest change that reaches its readers; none where any change counts.
+    /// The smallest change that reaches its readers; null where any change counts.
     pub quantum: Option<f32>,
     /// Largest update rate, leaving aside the failsafe.
     pub most_updates_hz: f64,

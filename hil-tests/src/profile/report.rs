@@ -48,20 +48,20 @@ pub struct Profile {
     pub core_hz: u64,
     /// Exceptions that were entered. The emulated core takes no cycles for it; silicon does.
     pub exceptions: u64,
-    /// All instructions. Their `busy_fraction` is that of the flight's own report.
+    /// All instructions; `busy_fraction` is that of the flight's own report.
     pub all: Share,
     /// Instructions by part, in the order of the table of parts.
     pub parts: Vec<Share>,
-    /// By function: the innermost of a module that a part names, and what it calls of others.
+    /// By function: the innermost of a module that a part names, with what it calls elsewhere.
     pub functions: Vec<Share>,
     /// By task, the dearest first.
     pub tasks: Vec<TaskShare>,
 }
 
-/// Instructions of something.
+/// Instructions of a part, a function, a task, or all.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Share {
-    /// What it is.
+    /// Its name.
     pub name: String,
     /// Its instructions.
     pub instructions: u64,

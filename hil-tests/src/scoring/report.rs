@@ -65,7 +65,7 @@ impl WithoutLeading {
 pub struct RunReport {
     /// The log's path as it was given.
     pub log: String,
-    /// Who played the board.
+    /// Where the autopilot ran: `emulated` or `native`.
     pub tier: Tier,
     /// `reactive` or `periodic`.
     pub policy: String,
@@ -97,7 +97,7 @@ pub struct RunReport {
     pub digest: String,
 }
 
-/// Who plays the board.
+/// Where the autopilot runs.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
 )]
@@ -123,7 +123,7 @@ impl fmt::Display for Tier {
 pub struct Options {
     /// Name of the control logic.
     pub logic: String,
-    /// Its gains where they are not its own: a name or a file; null else.
+    /// Gains of the control logic, if not those of its own file: a name or a file; else null.
     pub gains: Option<String>,
     /// The autopilot's settings.
     #[serde(flatten, serialize_with = "named")]

@@ -52,7 +52,7 @@ pub struct SweepPoint {
 /// The settings that a sweep can vary.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct At {
-    /// Probability of a change above which control runs.
+    /// Probability of a changed command that calls for a run.
     pub p_run: f64,
     /// The longest time between runs, s.
     pub failsafe_s: f64,
