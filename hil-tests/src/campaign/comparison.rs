@@ -197,7 +197,7 @@ fn hovering() -> [Comparison; 4] {
 ]
 }
 
-/// Comparisons that a part of the report shows, in its order, with its words.
+/// Comparisons that a part of the report shows, in its order, with what it calls the other side.
 pub fn shown_in(
     compared: &[Compared],
     part: fn(&Comparison) -> Option<Shown>,
@@ -207,8 +207,8 @@ pub fn shown_in(
         .filter_map(|it| Some((part(&it.comparison)?, it)));
     let mut shown: Vec<(Shown, &Compared)> = shown.collect();
     shown.sort_by_key(|(shown, _)| shown.place);
-    let words = shown.into_iter().map(|(shown, it)| (it, shown.against));
-    words.collect()
+    let sides = shown.into_iter().map(|(shown, it)| (it, shown.against));
+    sides.collect()
 }
 
 /// How two roles compare in one cell.

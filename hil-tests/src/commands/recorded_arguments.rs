@@ -16,7 +16,7 @@ use recorded_flights::Rotate;
 /// What is replayed. Defaults are those of `config/`; no option needs a rebuild.
 #[derive(Clone, Debug, Args)]
 pub(super) struct RecordedArguments {
-    /// Recorded flight, ULog or CSV, or a folder of them with --sweep [default: the one that comes with the crate ulog-rs]
+    /// Recorded flight, ULog or CSV [default: the one that comes with the crate ulog-rs]
     #[arg(value_name = "LOG")]
     logs: Vec<PathBuf>,
     #[command(flatten)]
