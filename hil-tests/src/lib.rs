@@ -23,6 +23,7 @@ pub mod commands;
 pub mod costs;
 pub mod firmware;
 mod ground_station;
+mod json;
 pub mod logics;
 mod native;
 mod output_file;

@@ -2,7 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use anyhow::Result;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -152,14 +151,6 @@ impl Findings {
             loads: load::all(plan, records),
             ways: records.ways.clone(),
         }
-    }
-
-    /// One JSON object on one line.
-    ///
-    /// # Errors
-    /// None in practice: every value can be written.
-    pub fn to_json(&self) -> Result<String> {
-        Ok(serde_json::to_string(self)? + "\n")
     }
 }
 

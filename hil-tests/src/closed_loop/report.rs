@@ -1,6 +1,5 @@
 //! The report of a simulated flight, as JSON and as text.
 
-use anyhow::Result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -112,14 +111,6 @@ pub struct Cpu {
 }
 
 impl FlightReport {
-    /// One JSON object on one line.
-    ///
-    /// # Errors
-    /// None in practice: every value can be written.
-    pub fn to_json(&self) -> Result<String> {
-        Ok(serde_json::to_string(self)? + "\n")
-    }
-
     /// The crash in one line.
     #[must_use]
     pub fn crash_text(&self) -> Option<String> {
@@ -206,6 +197,7 @@ pub fn summary(report: &FlightReport) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::json::to_json;
 
     fn crashed() -> FlightReport {
         FlightReport {
@@ -258,9 +250,8 @@ mod tests {
     }
 
     #[test]
-    fn json_is_one_line_that_reads_back_to_the_same() {
-        let json = crashed().to_json().unwrap();
-        assert_eq!(json.lines().count(), 1);
+    fn json_reads_back_to_the_same() {
+        let json = to_json(&crashed()).unwrap();
         assert_eq!(
             serde_json::from_str::<FlightReport>(&json).unwrap(),
             crashed()

@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::bar::Bar;
 use crate::costs::{Costs, measure};
+use crate::json::to_json;
 use crate::progress::Progress;
 use recorded_flights::{Flight, Rotate};
 
@@ -31,7 +32,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<()> {
     bar.finish();
     let costs = costs?;
     let text = if arguments.json {
-        costs.to_json()?
+        to_json(&costs)?
     } else {
         costs.table()
     };

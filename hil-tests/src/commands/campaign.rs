@@ -9,6 +9,7 @@ use super::bar::Bar;
 use super::quantities::number;
 use crate::campaign::{self, CampaignOptions, Compared, Findings, Here, Metric, Plan, Shard};
 use crate::clock;
+use crate::json::to_json;
 use crate::refusal::Refusal;
 use crate::toolchain;
 
@@ -86,7 +87,7 @@ pub(super) fn run(arguments: &CampaignArguments) -> Result<()> {
     bar.finish();
     let findings = findings?;
     let text = if arguments.json {
-        findings.to_json()?
+        to_json(&findings)?
     } else {
         summary(&findings, &options)
     };

@@ -11,6 +11,7 @@ use super::settings_arguments::refused;
 use super::simulated_arguments::SimulatedArguments;
 use crate::closed_loop::{self, Core, FlyOptions, Flyer, Scene, plot, report};
 use crate::firmware::Firmware;
+use crate::json::to_json;
 use crate::output_file::OutputFile;
 use crate::progress::Progress;
 
@@ -43,7 +44,7 @@ pub(super) fn run(arguments: &FlyArguments) -> Result<()> {
     }
     let report = &flown.report;
     super::print(&if arguments.json {
-        report.to_json()?
+        to_json(report)?
     } else {
         report::summary(report)
     })?;

@@ -6,6 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use reflex::graph::ControlLogic;
 
+use crate::json::to_json;
 use crate::logics::LogicName;
 use crate::output_file::OutputFile;
 use crate::picture::{GraphData, dot, svg};
@@ -48,7 +49,7 @@ pub(super) fn run(arguments: &GraphArguments) -> Result<()> {
         text += &format!("{option}: {}\n", file.display());
     }
     if arguments.json {
-        text = GraphData::of(&graph).to_json()?;
+        text = to_json(&GraphData::of(&graph))?;
     }
     super::print(&text)
 }

@@ -9,6 +9,7 @@ use super::bar::Bar;
 use super::recorded_arguments::RecordedArguments;
 use super::simulated_arguments::SimulatedArguments;
 use crate::firmware::Firmware;
+use crate::json::to_json;
 use crate::output_file::OutputFile;
 use crate::profile::{self, Profiled};
 use crate::progress::Progress;
@@ -109,7 +110,7 @@ impl Output {
             file.write(&profile::folded(&profiled.stacks))?;
         }
         super::print(&if self.json {
-            profiled.profile.to_json()?
+            to_json(&profiled.profile)?
         } else {
             profiled.profile.tables()
         })

@@ -5,6 +5,7 @@ use anyhow::Result;
 use super::bar::Bar;
 use super::replay_arguments::ReplayArguments;
 use super::sweep_arguments::write_figure;
+use crate::json::to_json;
 use crate::replay::{emulated, native};
 use crate::scoring::summary;
 use crate::sweep::{SweepOptions, sweep, tables, trade_curves};
@@ -25,7 +26,7 @@ pub(super) fn run(arguments: &ReplayArguments) -> Result<()> {
     let report = result?;
     // Printed only once it is whole: a failed replay leaves no half of a JSON object.
     let text = if arguments.json {
-        report.to_json()?
+        to_json(&report)?
     } else {
         summary(&report)
     };
@@ -43,7 +44,7 @@ fn fly_all(arguments: &ReplayArguments, options: &SweepOptions) -> Result<()> {
         write_figure(file, &trade_curves(&report).to_svg()?)?;
     }
     let mut text = if arguments.json {
-        report.to_json()?
+        to_json(&report)?
     } else {
         tables(&report)
     };

@@ -1,6 +1,5 @@
 //! What everything costs, against its limits: as a table and as JSON.
 
-use anyhow::Result;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -80,14 +79,6 @@ impl Cost {
 }
 
 impl Costs {
-    /// One JSON object.
-    ///
-    /// # Errors
-    /// None in practice: every field has a form in JSON.
-    pub fn to_json(&self) -> Result<String> {
-        Ok(serde_json::to_string_pretty(self)? + "\n")
-    }
-
     /// The first that is dearer than its limit, in one line.
     #[must_use]
     pub fn over(&self) -> Option<String> {

@@ -1,4 +1,4 @@
-//! The serial line, as the drone receives it: frames of given instants, at its rate.
+//! The serial line as the drone hears it: frames of given instants, at a rate.
 
 use std::collections::VecDeque;
 

@@ -67,14 +67,6 @@ impl GraphData {
             values: graph.values.iter().map(ValueData::of).collect(),
         }
     }
-
-    /// One JSON object on a line.
-    ///
-    /// # Errors
-    /// None that is known; a number that JSON cannot hold would be one.
-    pub fn to_json(&self) -> serde_json::Result<String> {
-        Ok(serde_json::to_string(self)? + "\n")
-    }
 }
 
 impl ValueData {

@@ -3,6 +3,7 @@
 //! `REFLEX_BLESS=1 cargo test -p hil-tests --profile hil --ignore-rust-version picture` rewrites
 //! `picture/small.dot` and `docs/figures/graph_*.svg`.
 
+use crate::json::to_json;
 use std::path::Path;
 
 use clap::ValueEnum;
@@ -137,9 +138,7 @@ fn signs_of_markup_are_escaped() {
 
 #[test]
 fn data_says_what_each_value_is() {
-    let json = GraphData::of(&Small::DESCRIPTION)
-        .to_json()
-        .expect("numbers");
+    let json = to_json(&GraphData::of(&Small::DESCRIPTION)).expect("numbers");
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(json["hyperperiod_us"], 1000);
     let expected = serde_json::json!({

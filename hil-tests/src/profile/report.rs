@@ -2,7 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use anyhow::Result;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -158,14 +157,6 @@ impl Profile {
         } = &self.subject;
         let rate = rate_hz.map_or(String::new(), |rate_hz| format!(" at {rate_hz:.0} Hz"));
         format!("{flight}: {logic}, {policy}{rate}, seed {seed}")
-    }
-
-    /// One JSON object on one line.
-    ///
-    /// # Errors
-    /// None in practice: every value can be written.
-    pub fn to_json(&self) -> Result<String> {
-        Ok(serde_json::to_string(self)? + "\n")
     }
 
     /// Tables for people.

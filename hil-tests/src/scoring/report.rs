@@ -265,14 +265,3 @@ pub struct BoardTime {
     /// Virtual seconds from reset to the first hyperperiod.
     pub start_up_s: f64,
 }
-
-impl Report {
-    /// The report as one JSON object, ending with a new line.
-    ///
-    /// # Errors
-    /// None in practice: every field is plain data, and a number that is not finite becomes
-    /// `null`.
-    pub fn to_json(&self) -> serde_json::Result<String> {
-        serde_json::to_string_pretty(self).map(|json| json + "\n")
-    }
-}

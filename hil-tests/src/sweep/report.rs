@@ -133,15 +133,6 @@ impl SweepReport {
     pub(super) fn by_log(&self) -> impl Iterator<Item = &[SweepPoint]> {
         self.points.chunk_by(|one, next| one.log == next.log)
     }
-
-    /// The report as one JSON object, ending with a new line.
-    ///
-    /// # Errors
-    /// None in practice: every field is plain data, and a number that is not finite becomes
-    /// `null`.
-    pub fn to_json(&self) -> serde_json::Result<String> {
-        serde_json::to_string_pretty(self).map(|json| json + "\n")
-    }
 }
 
 fn median(points: &[SweepPoint], settings: &Settings) -> Median {

@@ -1,5 +1,6 @@
 //! Sweeps end to end: logs in a temporary folder, to tables and figure.
 
+use crate::json::to_json;
 use std::fs;
 use std::path::Path;
 
@@ -80,7 +81,7 @@ fn the_report_and_the_figure_are_the_same_whatever_the_number_of_threads() {
     assert_eq!(one.points.len(), 8);
     assert!(one.points.iter().all(|point| point.score.scored));
     assert!(one == two);
-    assert_eq!(one.to_json().expect("JSON"), two.to_json().expect("JSON"));
+    assert_eq!(to_json(&one).expect("JSON"), to_json(&two).expect("JSON"));
     let svg = |report: &SweepReport| trade_curves(report).to_svg().expect("drawn");
     assert_eq!(svg(&one), svg(&two));
 }
@@ -131,7 +132,7 @@ fn a_point_is_scored_as_a_replay_with_its_settings() {
     let alone = native::replay(&replay, &mut Silent).expect("a replay");
     assert_eq!(report.points[1].score, alone.score);
     assert_ne!(report.points[0].score, alone.score);
-    let json: Value = serde_json::from_str(&report.to_json().expect("JSON")).expect("an object");
+    let json: Value = serde_json::from_str(&to_json(&report).expect("JSON")).expect("an object");
     assert_eq!(json["options"]["p_run"], serde_json::json!([0.3, 0.8]));
     assert_eq!(json["points"][1]["p_run"], 0.8);
     assert_eq!(json["points"][1]["scored"], true);

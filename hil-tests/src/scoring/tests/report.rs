@@ -3,6 +3,7 @@
 use super::super::report::*;
 use super::super::{LatencySample, Quantiles, Report, latencies};
 use super::*;
+use crate::json::to_json;
 use reflex::config::SETTINGS;
 use reflex::sensors::{Input, Inputs};
 use reflex::settings::Settings;
@@ -127,7 +128,7 @@ fn report(flight: &FlightSteps) -> Report {
 }
 
 fn json_of(flight: &FlightSteps) -> Value {
-    serde_json::from_str(&report(flight).to_json().unwrap()).unwrap()
+    serde_json::from_str(&to_json(&report(flight)).unwrap()).unwrap()
 }
 
 #[test]
@@ -204,13 +205,13 @@ fn what_has_no_value_is_null_and_nothing_is_infinite() {
         busy_fraction: Some(f64::NAN),
         instructions_per_run: None,
     });
-    let text = odd.to_json().unwrap();
+    let text = to_json(&odd).unwrap();
     assert!(text.contains("\"busy_fraction\": null"));
     assert!(!text.contains("NaN") && !text.contains("inf"));
 }
 
 #[test]
 fn the_report_is_one_object_and_one_line_end() {
-    let text = report(&flight()).to_json().unwrap();
+    let text = to_json(&report(&flight())).unwrap();
     assert!(text.starts_with('{') && text.ends_with("}\n"));
 }

@@ -29,6 +29,7 @@ const LAYERS: [Layers; 2] = [
             &[
                 "clock",
                 "ground_station",
+                "json",
                 "output_file",
                 "progress",
                 "refusal",
