@@ -34,7 +34,7 @@ use crate::sensors::{ChipSample, ImuReading, Input, Inputs};
 use crate::settings::{Settings, Start};
 use crate::time::Instant;
 use chips::Chips;
-use demand::{Demand, Flight};
+use demand::{Aim, Demand};
 use record::Record;
 use sensing::{Sensing, Taken};
 
@@ -291,8 +291,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.on_chip_lost(input);
         }
         let armed = self.safety.is_armed();
-        if let Some((flight, event)) = self.demand.after_silence(now, armed, &self.graph) {
-            self.fly(now, flight);
+        if let Some((aim, event)) = self.demand.after_silence(now, armed, &self.graph) {
+            self.fly(now, aim);
             self.record.event(event);
         }
     }
@@ -389,7 +389,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         if Reactive::are_aerobatics(turning) {
             self.move_phase(PhaseEvent::Fail(FallbackReason::Aerobatics));
         }
-        self.fly(at, Flight::Setpoint(*setpoint));
+        self.fly(at, Aim::Setpoint(*setpoint));
         self.reactive.take_setpoint(setpoint, first);
     }
 
@@ -407,7 +407,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         // The heading at the beginning: one taken anew each time would turn with every error.
         let heading = before.map_or_else(|| self.graph.estimate().heading(), |goal| goal.heading);
         let goal = destination.goal(heading);
-        self.fly(at, Flight::Goal(goal));
+        self.fly(at, Aim::Goal(goal));
         self.demand.take_goal(at);
         self.reactive.take_goal(before.as_ref(), &goal);
     }
@@ -432,14 +432,14 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     }
 
     /// A new setpoint or goal, behind the motion that the one before led to.
-    fn fly(&mut self, now: Instant, flight: Flight) {
+    fn fly(&mut self, now: Instant, aim: Aim) {
         self.advance(now);
-        match flight {
-            Flight::Setpoint(setpoint) => {
+        match aim {
+            Aim::Setpoint(setpoint) => {
                 self.graph.fly_to(None);
                 self.graph.fly(setpoint);
             }
-            Flight::Goal(goal) => self.graph.fly_to(Some(goal)),
+            Aim::Goal(goal) => self.graph.fly_to(Some(goal)),
         }
         self.join();
     }
@@ -492,7 +492,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             Arming::Armed => PhaseEvent::Armed,
             Arming::Disarmed | Arming::Calibrating => {
                 // The next flight shall not begin with the thrust that this one ended with.
-                self.fly(self.record.clock(), Flight::Setpoint(Setpoint::default()));
+                self.fly(self.record.clock(), Aim::Setpoint(Setpoint::default()));
                 self.demand.forget();
                 PhaseEvent::Disarmed
             }

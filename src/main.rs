@@ -225,7 +225,7 @@ mod app {
         owner::serve(&mut Vectors, &mut fetches, &mut autopilot, cx.local.chips);
     }
 
-    /// The line fell idle: takes what came.
+    /// The serial line fell idle: takes what came.
     #[task(binds = USART2, priority = 2, shared = [link, autopilot])]
     fn link_idle(cx: link_idle::Context) {
         let (mut link, mut autopilot) = (Guarded(cx.shared.link), Piloted(cx.shared.autopilot));

@@ -11,8 +11,9 @@
 //! | [`drivers`] | which of their drivers delivers which input |
 //! | [`link`] | bytes in, frames out |
 //!
-//! A module named by a part number gives `imu` what it needs of that chip. Nothing here reads a clock, knows a vector or logs: [`Board`] and [`Lock`] are what a task needs of its
-//! board, and what a board may log is returned.
+//! A module named by a part number gives `imu` what it needs of that chip. Nothing here reads a
+//! clock, knows a vector or logs: [`Board`] and [`Lock`] are what a task needs of its board, and
+//! what a board may log is returned.
 
 pub mod chips;
 pub mod control;

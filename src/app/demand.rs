@@ -26,9 +26,9 @@ const AVERAGED: f32 = 0.25;
 /// Places further apart are not of one movement: the later one begins anew.
 const LONGEST_BETWEEN_PLACES: Duration = micros(500_000);
 
-/// What is flown.
+/// What is flown: a setpoint or a goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Flight {
+pub(super) enum Aim {
     /// An attitude or rates, and a thrust.
     Setpoint(Setpoint),
     /// A place.
@@ -105,7 +105,7 @@ impl Demand {
         now: Instant,
         armed: bool,
         graph: &impl ControlLogic,
-    ) -> Option<(Flight, Event)> {
+    ) -> Option<(Aim, Event)> {
         let silent = self
             .newest
             .is_some_and(|at| span(at, now) > SETPOINT_TIMEOUT);
@@ -121,16 +121,16 @@ impl Demand {
 }
 
 /// A goal that nobody moves any more stands still.
-fn stand_still(goal: Goal) -> Flight {
-    Flight::Goal(Goal {
+fn stand_still(goal: Goal) -> Aim {
+    Aim::Goal(Goal {
         velocity: Velocity::default(),
         ..goal
     })
 }
 
 /// Level, heading free; after a goal on the ground without thrust.
-fn level(armed: bool, graph: &impl ControlLogic) -> Flight {
-    Flight::Setpoint(match graph.flown_to() {
+fn level(armed: bool, graph: &impl ControlLogic) -> Aim {
+    Aim::Setpoint(match graph.flown_to() {
         None => Setpoint::level(graph.flown().thrust),
         Some(_) if armed => Setpoint::level(graph.collective()),
         Some(_) => Setpoint::default(),

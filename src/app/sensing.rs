@@ -32,7 +32,7 @@ pub(super) enum Taken {
     Calibrating,
     /// The bias is known now; the mean specific force at rest, in m/s2.
     Calibrated(Vec3),
-    /// In flight the sensor repeats itself; noticed `now`, or earlier.
+    /// While armed the sensor repeats itself; noticed `now`, or earlier.
     Stuck {
         /// It was noticed with this sample.
         now: bool,
@@ -59,13 +59,13 @@ impl Sensing {
 
     /// Calibrates with a sample, or filters and sums it.
     ///
-    /// A sensor that repeats itself is an emergency in flight only. `derivative_cutoff` is the
+    /// A sensor that repeats itself is an emergency only while `armed`. `derivative_cutoff` is the
     /// corner (Hz) of the filter behind the angular acceleration.
     pub(super) fn take(
         &mut self,
         at: Instant,
         reading: &ImuReading,
-        in_flight: bool,
+        armed: bool,
         derivative_cutoff: f32,
     ) -> Taken {
         self.silence.end(at);
@@ -74,7 +74,7 @@ impl Sensing {
             return self.calibrate(&ImuSample { at, rates, force });
         };
         let sign = self.liveness.take(at, reading, self.patience);
-        if in_flight && sign != Sign::Alive {
+        if armed && sign != Sign::Alive {
             return Taken::Stuck {
                 now: sign == Sign::Stuck,
             };

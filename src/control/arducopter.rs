@@ -2,7 +2,7 @@
 //!
 //! Written anew from the published structure of ArduCopter 4.5; the page `graph/arducopter.rs`
 //! says which part follows what, and how its gains were converted. Every piece gives the same
-//! after one long step as after many short ones, as far as its input moved in a line.
+//! after one long step as after many short ones, as far as its input moved linearly.
 
 mod angle;
 mod approach;

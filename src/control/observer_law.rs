@@ -5,7 +5,7 @@
 //! robotic manipulators"; with the filter's corner at infinity, incremental control). It answers
 //! a gust before an error of the rate has been integrated.
 //!
-//! Over a stretch of any length the demand stands and rates move in a line. What the motors give in
+//! Over a stretch of any length the demand stands and rates move linearly. What the motors give in
 //! it counts by its mean: after a change of the demand the estimate of a stretch of 50 ms is within
 //! 3 % of that change of the result of many short ones.
 

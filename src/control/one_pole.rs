@@ -1,4 +1,4 @@
-//! One-pole low-pass filters over a measured time, exact for what moves in a line.
+//! One-pole low-pass filters over a measured time, exact for what moves linearly.
 
 /// Time constant in s of a corner in Hz.
 pub(in crate::control) const fn time_constant(cutoff: f32) -> f32 {
@@ -10,7 +10,7 @@ pub(in crate::control) fn gone(dt: f32, time_constant: f32) -> f32 {
     1.0 - libm::expf(-dt / time_constant)
 }
 
-/// The output after an input that moved in a line between two values in `dt` (s).
+/// The output after an input that moved linearly between two values in `dt` (s).
 pub(in crate::control) fn along(output: f32, input: [f32; 2], dt: f32, time_constant: f32) -> f32 {
     if dt <= 0.0 {
         return output;

@@ -13,7 +13,7 @@ pub const LONGEST_FRAME_OUT: usize = 12 + COMMAND_ACK_LENGTH;
 /// COMMAND_ACK with its extensions `progress`, `result_param2`, target system and component.
 const COMMAND_ACK_LENGTH: usize = 10;
 
-/// An encoded frame, ready for the line.
+/// An encoded frame, ready to be sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Frame {
     bytes: heapless::Vec<u8, LONGEST_FRAME_OUT>,

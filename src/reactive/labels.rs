@@ -4,7 +4,7 @@
 //! logarithm of `x`; each keeps, for either outcome by itself, the weight of its labels and their
 //! weighted sum of `x`, so that a bin speaks for the means of what fell into it and not for its
 //! middle: one mean for both would hide that within a bin too the larger changes are those that
-//! were *changed*. 412 bytes an input, whatever the length of the flight.
+//! were *changed*. 408 bytes an input, whatever the length of the flight.
 
 use crate::config::Changes;
 use crate::math::sqrt;

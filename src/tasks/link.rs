@@ -29,7 +29,7 @@ pub trait Port {
     /// Queues a frame; one that does not fit any more is dropped whole.
     ///
     /// # Errors
-    /// The frame was dropped: the line is slower than what is to be said.
+    /// The frame was dropped: the serial line is slower than what is to be said.
     fn send(&mut self, frame: &[u8]) -> Result<(), Overrun>;
 }
 
@@ -87,14 +87,14 @@ impl<P: Port> Link<P> {
                 };
                 if let Some(answer) = answer {
                     let frame = self.sender.command_ack(from, command, answer);
-                    // No room means a line far too slow: the peer asks again.
+                    // No room means a serial line far too slow: the peer asks again.
                     let _ = self.port.send(frame.as_bytes());
                 }
             }
         }
     }
 
-    /// Sends a HEARTBEAT; left out where the line is still busy with earlier ones.
+    /// Sends a HEARTBEAT; left out where the serial line is still busy with earlier ones.
     ///
     /// Returns what the link counted, where frames were spoilt since it last did: for the log.
     pub fn beat(&mut self, arming: Arming) -> Option<LinkCounters> {

@@ -4,7 +4,7 @@
 //! - targets, at 20 Hz: left out. Unshaped targets are linear in the attitude, itself an integral;
 //!   of them the filter would take 8 ms times stiffness, 4 % of the measured rate, and of a new
 //!   setpoint it would keep most until some sensor asks for the next run;
-//! - errors, at 2.5 Hz in yaw: a state, exact for rates that moved in a line over the stretch;
+//! - errors, at 2.5 Hz in yaw: a state, exact for rates that moved linearly over the stretch;
 //! - derivatives, at 20 Hz: on every sample, by the arrival stage. A derivative of the error
 //!   holds that of the target too, which is known without a quotient: minus stiffness times rate.
 
@@ -121,7 +121,7 @@ impl RateLoop {
     }
 }
 
-/// Rate (rad/s) at both ends of a stretch in which it moved in a line.
+/// Rate (rad/s) at both ends of a stretch in which it moved linearly.
 ///
 /// From the angle turned (rad), and that angle integrated (rad s) over `dt` (s).
 fn ends(angle: f32, swept: f32, dt: f32) -> [f32; 2] {

@@ -226,7 +226,7 @@ impl PathFollower {
         let (sin, cos) = sin_cos(heading);
         let roll = limited(lean.y * cos - lean.x * sin, self.position.maximum_lean_rad);
         let pitch = limited(-lean.x * cos - lean.y * sin, self.position.maximum_lean_rad);
-        let about = |angle: f32, axis: Vec3| {
+        let turn_about = |angle: f32, axis: Vec3| {
             let (sin, cos) = sin_cos(0.5 * angle);
             Quaternion {
                 w: cos,
@@ -234,8 +234,8 @@ impl PathFollower {
             }
         };
         Quaternion::from_heading(heading)
-            .then_body(about(pitch, Vec3::new(0.0, 1.0, 0.0)))
-            .then_body(about(roll, Vec3::new(1.0, 0.0, 0.0)))
+            .then_body(turn_about(pitch, Vec3::new(0.0, 1.0, 0.0)))
+            .then_body(turn_about(roll, Vec3::new(1.0, 0.0, 0.0)))
     }
 }
 
