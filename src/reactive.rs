@@ -158,6 +158,9 @@ impl Reactive {
     /// Takes what a filtered sample of the gyroscope and of the accelerometer beside it says:
     /// rates in rad/s, specific force in m/s2, angle turned since the last run in rad.
     pub fn take_motion(&mut self, rates: Vec3, force: Vec3, turned: Vec3) {
+        if self.is_by_clock() {
+            return;
+        }
         let learners = &mut self.learners;
         let calls = [
             (Input::Gyro, learners.calls(Input::Gyro, rates)),
@@ -167,6 +170,11 @@ impl Reactive {
         for (input, _) in calls.into_iter().filter(|(_, calls)| *calls) {
             self.schedule.ask(input);
         }
+    }
+
+    /// True where control runs by the clock alone, and nothing is learned.
+    fn is_by_clock(&self) -> bool {
+        matches!(self.phase(), Phase::Ground | Phase::Periodic)
     }
 
     /// What is wanted of the command that a run would compute.
@@ -365,6 +373,7 @@ impl Reactive {
 
     /// Judges a run and learns from it; every label is also passed to `tell`.
     pub fn learn(&mut self, run: &Run, mut tell: impl FnMut(Input, &Label)) -> Judged {
+        self.learners.compare();
         let asked = self.schedule.asked();
         let mut judged = Judged {
             asked,

@@ -57,6 +57,12 @@ impl Decision {
         x > self.threshold
     }
 
+    /// False where no change calls for a run.
+    #[must_use]
+    pub fn may_call(&self) -> bool {
+        self.threshold < f32::INFINITY
+    }
+
     /// A run happened: what was measured before it is of no use.
     pub fn on_run(&mut self) {
         self.met = self.change.take();

@@ -110,6 +110,12 @@ impl Learners {
         self.owed.lesson.decision.take(Some(owed.size())) && self.owed.lesson.triggers
     }
 
+    /// A run is to be learned from: compares the samples that were not when they came.
+    pub(super) fn compare(&mut self) {
+        self.of_axes.iter_mut().for_each(Learner::compare);
+        self.command.compare();
+    }
+
     /// What an input is measured against is this sample now.
     pub(super) fn rearm(&mut self, input: Input, sample: Vec3) {
         if let Some(learner) = self.of_axes(input) {
