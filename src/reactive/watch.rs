@@ -10,8 +10,6 @@ pub struct Watch<S = Vec3> {
     mode: Reference,
     reference: Option<S>,
     newest: Option<S>,
-    /// The newest sample was put by.
-    put_by: bool,
 }
 
 impl<S: Sample> Watch<S> {
@@ -22,7 +20,6 @@ impl<S: Sample> Watch<S> {
             mode,
             reference: None,
             newest: None,
-            put_by: false,
         }
     }
 
@@ -31,28 +28,10 @@ impl<S: Sample> Watch<S> {
         let reference = self.reference.as_ref();
         let x = reference.map(|reference| sample.change_since(reference));
         self.newest = Some(*sample);
-        self.put_by = false;
         if self.mode == Reference::PreviousSample || self.reference.is_none() {
             self.reference = Some(*sample);
         }
         x
-    }
-
-    /// Puts a sample by, to be compared should a run want to know; false where it has to be taken
-    /// now: the first of all, and where the next is measured against it.
-    #[must_use]
-    pub fn puts_by(&mut self, sample: &S) -> bool {
-        self.put_by = self.mode == Reference::LastRun && self.reference.is_some();
-        if self.put_by {
-            self.newest = Some(*sample);
-        }
-        self.put_by
-    }
-
-    /// The change of the newest sample, where that was put by.
-    pub fn compare(&mut self) -> Option<f32> {
-        let newest = self.newest.filter(|_| core::mem::take(&mut self.put_by))?;
-        Some(newest.change_since(self.reference.as_ref()?))
     }
 
     /// A run happened: with `last-run`, the newest sample becomes the reference.
@@ -60,14 +39,12 @@ impl<S: Sample> Watch<S> {
         if self.mode == Reference::LastRun {
             self.reference = self.newest.or(self.reference);
         }
-        self.put_by = false;
     }
 
     /// What is measured against is this sample now.
     pub fn rearm(&mut self, sample: S) {
         self.newest = Some(sample);
         self.reference = Some(sample);
-        self.put_by = false;
     }
 
     /// The newest sample.
@@ -111,20 +88,6 @@ mod tests {
         watch.take(&along_x(0.5));
         watch.on_run();
         assert_eq!(watch.take(&along_x(0.75)), Some(0.25));
-    }
-
-    #[test]
-    fn a_sample_that_was_put_by_is_compared_once_with_what_it_came_behind() {
-        let mut watch = Watch::new(Reference::LastRun);
-        assert!(!watch.puts_by(&along_x(0.0)), "the first is the reference");
-        watch.take(&along_x(0.0));
-        assert!(watch.puts_by(&along_x(0.25)) && watch.puts_by(&along_x(0.5)));
-        assert_eq!((watch.compare(), watch.compare()), (Some(0.5), None));
-        assert!(watch.puts_by(&along_x(1.0)));
-        watch.on_run();
-        assert_eq!(watch.compare(), None, "measured before the run");
-        assert_eq!(watch.take(&along_x(1.25)), Some(0.25));
-        assert!(!Watch::new(Reference::PreviousSample).puts_by(&along_x(0.0)));
     }
 
     #[test]

@@ -79,24 +79,9 @@ impl<S: Sample> Learner<S> {
     }
 
     /// Takes a sample; true where its change calls for a run.
-    ///
-    /// Where none does, it is not compared before a run, which may teach by it: see
-    /// [`Self::compare`].
     pub(super) fn calls(&mut self, sample: &S) -> bool {
-        let Lesson {
-            decision, triggers, ..
-        } = &mut self.lesson;
-        if !(*triggers && decision.may_call()) && self.watch.puts_by(sample) {
-            return false;
-        }
-        decision.take(self.watch.take(sample)) && *triggers
-    }
-
-    /// Compares the newest sample where that was put by.
-    pub(super) fn compare(&mut self) {
-        if let Some(x) = self.watch.compare() {
-            self.lesson.decision.take(Some(x));
-        }
+        let x = self.watch.take(sample);
+        self.lesson.decision.take(x) && self.lesson.triggers
     }
 
     pub(super) fn on_run(&mut self) {

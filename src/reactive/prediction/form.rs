@@ -3,22 +3,19 @@
 use core::f32::consts::TAU;
 
 use super::sounding::Column;
-use crate::airframe::Axes;
+
 use crate::estimate::{Motion, Rotation};
 use crate::math::Vec3;
 use crate::reactive::owed::{Impulse, OfAxes};
 
-/// How many slopes an axis has: rates, angular accelerations and angles about three axes.
-const SLOPES: usize = 9;
-
-/// Three vectors in a row, as slopes are.
-type Nine = [f32; SLOPES];
+/// What a command moves with: rates, angular accelerations and angles about three axes.
+type Nine<T> = [T; 9];
 
 /// How a command moves with what the body does, and with time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slopes {
-    /// By axis: per rad/s, per rad/s2, per rad.
-    of_axes: [Nine; Axes::COUNT],
+    /// Per rad/s, per rad/s2, per rad.
+    slopes: Nine<OfAxes>,
     /// Per second.
     drift: OfAxes,
     /// Time constant (s) of the filter behind the angular acceleration.
@@ -26,26 +23,22 @@ pub(super) struct Slopes {
 }
 
 /// The impulse owed as an affine form of what the arrival stage knows.
+///
+/// Coefficients lie as a sample needs them: a feature is loaded once, the axes stay in registers.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Form {
-    rows: [Row; Axes::COUNT],
+    slopes: Nine<OfAxes>,
+    time: OfAxes,
+    half_square_of_time: OfAxes,
+    constant: OfAxes,
     lag: f32,
-}
-
-/// Coefficients of one axis.
-#[derive(Clone, Copy, Debug, Default)]
-struct Row {
-    sums: Nine,
-    time: f32,
-    half_square_of_time: f32,
-    constant: f32,
 }
 
 impl Slopes {
     /// Flat slopes, for an angular acceleration that is filtered at a corner (Hz).
     pub(super) fn new(derivative_cutoff: f32) -> Self {
         Self {
-            of_axes: [[0.0; SLOPES]; Axes::COUNT],
+            slopes: Default::default(),
             drift: OfAxes::default(),
             lag: 1.0 / (TAU * derivative_cutoff),
         }
@@ -53,15 +46,9 @@ impl Slopes {
 
     /// Takes the slopes of one feature, or the drift.
     pub(super) fn set(&mut self, column: &Column) {
-        let Some(place) = column.feature.slope() else {
-            self.drift = column.of_axes;
-            return;
-        };
-        for (slopes, value) in self.of_axes.iter_mut().zip(column.of_axes) {
-            if let Some(slope) = slopes.get_mut(place) {
-                *slope = value;
-            }
-        }
+        let slope = column.feature.slope();
+        let place = slope.and_then(|place| self.slopes.get_mut(place));
+        *place.unwrap_or(&mut self.drift) = column.of_axes;
     }
 
     /// Adds to the drift, per second.
@@ -78,11 +65,8 @@ impl Slopes {
             motion.rotation.acceleration - since.acceleration,
             motion.sums.angle,
         );
-        let mut change = self.drift.map(|drift| drift * motion.sums.dt);
-        for (change, slopes) in change.iter_mut().zip(&self.of_axes) {
-            *change += product(slopes, &features);
-        }
-        change
+        let drifted = self.drift.map(|drift| drift * motion.sums.dt);
+        plus_products(drifted, &self.slopes, features)
     }
 }
 
@@ -94,22 +78,15 @@ impl Form {
     /// filter's time constant.
     pub(super) fn of(slopes: &Slopes, since: &Rotation, off: OfAxes, owed: &Impulse) -> Self {
         let (rates, acceleration) = (since.rates.0, since.acceleration);
-        let at_first = nine(rates, acceleration, Vec3::ZERO);
-        let summed = nine(Vec3::ZERO, rates - acceleration * slopes.lag, Vec3::ZERO);
-        let mut form = Self {
+        let of_slopes = |from, features| plus_products(from, &slopes.slopes, features);
+        let held_back = rates - acceleration * slopes.lag;
+        Self {
+            slopes: slopes.slopes,
+            time: of_slopes(off, nine(-rates, -acceleration, Vec3::ZERO)),
+            half_square_of_time: slopes.drift,
+            constant: of_slopes(owed.0, nine(Vec3::ZERO, -held_back, Vec3::ZERO)),
             lag: slopes.lag,
-            ..Self::default()
-        };
-        let given = slopes.of_axes.iter().zip(slopes.drift).zip(off).zip(owed.0);
-        for (row, (((slopes, drift), off), owed)) in form.rows.iter_mut().zip(given) {
-            *row = Row {
-                sums: *slopes,
-                time: off - product(slopes, &at_first),
-                half_square_of_time: drift,
-                constant: owed - product(slopes, &summed),
-            };
         }
-        form
     }
 
     /// The impulse owed after a motion.
@@ -120,31 +97,44 @@ impl Form {
             rotation.rates.0 - rotation.acceleration * self.lag,
             sums.swept,
         );
-        let half_square = 0.5 * sums.dt * sums.dt;
-        Impulse(self.rows.each_ref().map(|row| {
-            product(&row.sums, &summed)
-                + (row.time * sums.dt + row.half_square_of_time * half_square)
-                + row.constant
-        }))
+        let mut owed = plus_products(self.constant, &self.slopes, summed);
+        add_product(&mut owed, &self.time, sums.dt);
+        add_product(
+            &mut owed,
+            &self.half_square_of_time,
+            0.5 * sums.dt * sums.dt,
+        );
+        Impulse(owed)
     }
 
     /// The command jumps by so much, this long (s) after the rotation.
     pub(super) fn jump(&mut self, by: OfAxes, at: f32) {
-        for (row, by) in self.rows.iter_mut().zip(by) {
-            row.time += by;
-            row.constant -= by * at;
-        }
+        add_product(&mut self.time, &by, 1.0);
+        add_product(&mut self.constant, &by, -at);
     }
 }
 
-fn nine(rates: Vec3, acceleration: Vec3, angle: Vec3) -> Nine {
+fn nine(rates: Vec3, acceleration: Vec3, angle: Vec3) -> Nine<f32> {
     let ([a, b, c], [d, e, f], [g, h, i]) =
         (rates.to_array(), acceleration.to_array(), angle.to_array());
     [a, b, c, d, e, f, g, h, i]
 }
 
-fn product(a: &Nine, b: &Nine) -> f32 {
-    a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b)
+/// A start and, for each feature, its slopes times how large it is.
+#[inline]
+fn plus_products(start: OfAxes, slopes: &Nine<OfAxes>, features: Nine<f32>) -> OfAxes {
+    let mut sums = start;
+    for (slopes, feature) in slopes.iter().zip(features) {
+        add_product(&mut sums, slopes, feature);
+    }
+    sums
+}
+
+#[inline]
+fn add_product(sums: &mut OfAxes, slopes: &OfAxes, feature: f32) {
+    for (sum, slope) in sums.iter_mut().zip(slopes) {
+        *sum += slope * feature;
+    }
 }
 
 #[cfg(test)]
