@@ -154,8 +154,9 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// Shows the filtered sample to its inputs, and what can be derived from it.
     fn ask(&mut self, at: Instant) {
         let motion = self.sensing.motion();
-        let (rates, force) = (motion.rotation.rates.0, self.sensing.force().0);
-        self.reactive.take_motion(rates, force, motion.sums.angle);
+        if self.reactive.watches_motion() {
+            self.reactive.take_motion(&motion, self.sensing.force().0);
+        }
         match self.reactive.foresight() {
             Foresight::None => {}
             Foresight::Predicted => {
@@ -206,6 +207,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             at: now,
             reason,
             motion,
+            force: self.sensing.force().0,
             before: &passed.before,
             applied: &applied,
         };

@@ -80,10 +80,14 @@ pub struct Reactive {
     supervisor: Supervisor,
     judgement: Judgement,
     prediction: Prediction,
+    /// So little was owed that the next sample is not looked at.
+    rests: bool,
     /// The control logic took motion that no run has taught by yet.
     advanced: bool,
     /// Models were swapped in that no run has reviewed yet.
     unreviewed: bool,
+    /// No refit is due before.
+    next_refit: Instant,
 }
 
 /// What is wanted of the command that a run would compute.
@@ -106,6 +110,8 @@ pub struct Run<'a> {
     pub reason: Reason,
     /// The motion that it took; without one a command cannot change.
     pub motion: &'a Motion,
+    /// The filtered specific force (m/s2).
+    pub force: Vec3,
     /// The command that was applied until now.
     pub before: &'a MotorShares,
     /// The command that is applied now.
@@ -148,20 +154,26 @@ impl Reactive {
             supervisor: Supervisor::new(settings.policy, settings.warm_up),
             judgement: Judgement::new(settings, worth),
             prediction: Prediction::new(axes, logic.mixer().motors(), logic.derivative_cutoff()),
+            rests: false,
             advanced: false,
             unreviewed: false,
+            next_refit: Instant::from_ticks(0),
         }
     }
 
     // Asking for a run.
 
-    /// Takes what a filtered sample of the gyroscope and of the accelerometer beside it says:
-    /// rates in rad/s, specific force in m/s2, angle turned since the last run in rad.
-    pub fn take_motion(&mut self, rates: Vec3, force: Vec3, turned: Vec3) {
-        if self.is_by_clock() {
-            return;
-        }
+    /// True where what a sample of the inertial sensor says may call for a run; otherwise it is
+    /// compared at runs only, which teach by it.
+    #[must_use]
+    pub fn watches_motion(&self) -> bool {
+        self.learns() && self.learners.motion_may_call()
+    }
+
+    /// Takes what a filtered sample of the gyroscope and of the accelerometer beside it (m/s2) says.
+    pub fn take_motion(&mut self, motion: &Motion, force: Vec3) {
         let learners = &mut self.learners;
+        let (rates, turned) = (motion.rotation.rates.0, motion.sums.angle);
         let calls = [
             (Input::Gyro, learners.calls(Input::Gyro, rates)),
             (Input::Accel, learners.calls(Input::Accel, force)),
@@ -172,16 +184,18 @@ impl Reactive {
         }
     }
 
-    /// True where control runs by the clock alone, and nothing is learned.
-    fn is_by_clock(&self) -> bool {
-        matches!(self.phase(), Phase::Ground | Phase::Periodic)
+    /// True where there is something to learn: not on the ground, blind, or by the clock alone.
+    fn learns(&self) -> bool {
+        self.supervisor.is_learning() || self.phase() == Phase::Reactive
     }
 
     /// What is wanted of the command that a run would compute.
     ///
-    /// Time-triggered control need not foresee what it computes anyway.
+    /// Time-triggered control need not foresee what it computes anyway. A prediction loses nothing by
+    /// a sample that is not looked at, since sums say what is owed; the run is only seen to be due a
+    /// sample later, where half the budget is used up within one.
     #[must_use]
-    pub fn foresight(&self) -> Foresight {
+    pub fn foresight(&mut self) -> Foresight {
         let triggers = |input| self.learners.lesson(input).triggers;
         if self.phase() != Phase::Reactive {
             Foresight::None
@@ -191,6 +205,8 @@ impl Reactive {
             Foresight::None
         } else if self.prediction.is_exact() {
             Foresight::Exact
+        } else if core::mem::take(&mut self.rests) {
+            Foresight::None
         } else {
             Foresight::Predicted
         }
@@ -235,9 +251,11 @@ impl Reactive {
         owed: &Impulse,
         tell: &mut dyn FnMut(Input, &Label),
     ) -> Option<bool> {
-        if self.learners.owed_calls(owed) {
+        let size = owed.size();
+        if self.learners.owed_calls(size) {
             self.schedule.ask(Input::Owed);
         }
+        self.rests = size < self.threshold(Input::Owed) / 2.0;
         let verdict = self.judgement.settle(now, owed)?;
         Some(self.heed(&verdict, tell))
     }
@@ -366,6 +384,7 @@ impl Reactive {
 
     /// A setpoint or a place changed the control logic's command; no motion came beyond this one.
     pub fn on_joined(&mut self, command: &Mixed, motion: &Motion) {
+        self.rests = false;
         if self.counts_impulses() {
             self.prediction.on_joined(command, motion);
         }
@@ -373,7 +392,10 @@ impl Reactive {
 
     /// Judges a run and learns from it; every label is also passed to `tell`.
     pub fn learn(&mut self, run: &Run, mut tell: impl FnMut(Input, &Label)) -> Judged {
-        self.learners.compare();
+        let moved = core::mem::take(&mut self.advanced) || run.motion.sums.dt > 0.0;
+        if moved && self.learns() && !self.watches_motion() {
+            self.take_motion(run.motion, run.force);
+        }
         let asked = self.schedule.asked();
         let mut judged = Judged {
             asked,
@@ -389,7 +411,6 @@ impl Reactive {
         }
         // Without new motion a command cannot change, which teaches nothing about sensors; and
         // a setpoint that moved may have changed it whatever they said.
-        let moved = core::mem::take(&mut self.advanced) || run.motion.sums.dt > 0.0;
         if !moved || self.schedule.is_asked_by_setpoint() {
             return judged;
         }
@@ -477,8 +498,7 @@ impl Reactive {
         logic: &L,
         situation: &Situation,
     ) -> Option<Sounding<L>> {
-        let flies = self.supervisor.is_learning() || self.phase() == Phase::Reactive;
-        let due = flies && self.counts_impulses() && self.prediction.is_sounding_due(now);
+        let due = self.prediction.is_sounding_due(now) && self.counts_impulses() && self.learns();
         due.then(|| Sounding::new(logic, self.prediction.axes(), situation))
     }
 
@@ -502,8 +522,7 @@ impl Reactive {
     /// The labels of an input whose refit is due, copied: to be fitted in idle, without a lock.
     #[must_use]
     pub fn refit_due(&self, now: Instant) -> Option<RefitJob> {
-        let learns = self.supervisor.is_learning() || self.phase() == Phase::Reactive;
-        if !learns {
+        if now < self.next_refit || !self.learns() {
             return None;
         }
         Input::ALL.into_iter().find_map(|input| {
@@ -519,9 +538,12 @@ impl Reactive {
     /// Swaps a fit in and forgets a little; the weight of the labels behind it.
     pub fn swap_model(&mut self, now: Instant, refit: &Refit) -> f32 {
         self.unreviewed = true;
-        self.learners
+        let weight = self
+            .learners
             .lesson_mut(refit.input)
-            .on_refit(now, refit.fit)
+            .on_refit(now, refit.fit);
+        self.next_refit = self.learners.oldest_refit() + REFIT_INTERVAL;
+        weight
     }
 
     // The phase.

@@ -15,7 +15,7 @@ pub use learner::changes_of;
 use learner::{Learner, Showing};
 
 use super::outcome::Teaching;
-use super::owed::{Budget, Course, Impulse};
+use super::owed::{Budget, Course};
 use super::{Commanded, Label, Lead, Rest, Rule};
 use crate::airframe::{Axes, MotorShares};
 use crate::math::Vec3;
@@ -105,15 +105,16 @@ impl Learners {
         self.command.calls(command)
     }
 
-    /// True where the impulse owed is past its budget.
-    pub(super) fn owed_calls(&mut self, owed: &Impulse) -> bool {
-        self.owed.lesson.decision.take(Some(owed.size())) && self.owed.lesson.triggers
+    /// True where so much owed is past the budget.
+    pub(super) fn owed_calls(&mut self, owed: f32) -> bool {
+        self.owed.lesson.decision.take(Some(owed)) && self.owed.lesson.triggers
     }
 
-    /// A run is to be learned from: compares the samples that were not when they came.
-    pub(super) fn compare(&mut self) {
-        self.of_axes.iter_mut().for_each(Learner::compare);
-        self.command.compare();
+    /// True where a sample of the gyroscope, or what is derived from it, may call for a run.
+    pub(super) fn motion_may_call(&self) -> bool {
+        let inputs = [Input::Gyro, Input::Accel, Input::Turned];
+        let may_call = |input| self.lesson(input).may_call();
+        self.rule.reference == Reference::PreviousSample || inputs.into_iter().any(may_call)
     }
 
     /// What an input is measured against is this sample now.
@@ -135,6 +136,14 @@ impl Learners {
             (None, Input::Owed) => &self.owed.lesson,
             (None, _) => &self.command.lesson,
         }
+    }
+
+    /// When the input was refitted whose turn is next.
+    pub(super) fn oldest_refit(&self) -> Instant {
+        let refits = Input::ALL
+            .into_iter()
+            .map(|input| self.lesson(input).refitted);
+        refits.min().unwrap_or(Instant::from_ticks(0))
     }
 
     pub(super) fn lesson_mut(&mut self, input: Input) -> &mut Lesson {

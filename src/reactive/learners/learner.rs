@@ -127,6 +127,11 @@ impl<S: Sample> Learner<S> {
 }
 
 impl Lesson {
+    /// False where no change calls for a run.
+    pub(super) fn may_call(&self) -> bool {
+        self.triggers && self.decision.may_call()
+    }
+
     /// Swaps a fit in and lets the labels fade a little; their weight until now.
     pub(in crate::reactive) fn on_refit(&mut self, now: Instant, fit: Fit) -> f32 {
         self.refitted = now;
