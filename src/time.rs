@@ -19,10 +19,11 @@ pub fn span(earlier: Instant, later: Instant) -> Duration {
 
 /// A span in seconds, for arithmetic within one function.
 ///
-/// Exact below 16.7 s, the longest span whose microseconds an `f32` holds.
+/// Exact below 16.7 s, the longest span whose microseconds an `f32` holds; at most 71 minutes, since
+/// the core converts words and a library longer numbers.
 #[must_use]
 pub fn seconds(span: Duration) -> f32 {
-    span.ticks() as f32 * 1e-6
+    u32::try_from(span.ticks()).unwrap_or(u32::MAX) as f32 * 1e-6
 }
 
 /// A point in time from its count of microseconds.

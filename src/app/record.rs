@@ -59,7 +59,9 @@ impl<R: Recorder> Record<R> {
         |input, label| self.recorder.label(input, label)
     }
 
-    /// Counts a fault.
+    /// Counts a fault. Not inlined: it is rare, and in many places.
+    #[cold]
+    #[inline(never)]
     pub(super) fn fault(&mut self, fault: Fault) {
         if let Some(count) = self.faults.get_mut(usize::from(fault.number())) {
             *count = count.saturating_add(1);

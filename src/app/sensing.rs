@@ -85,6 +85,7 @@ impl Sensing {
         Taken::Filtered { jumped }
     }
 
+    #[inline(never)] // On the ground only.
     fn calibrate(&mut self, sample: &ImuSample) -> Taken {
         let Some(found) = self.calibration.take(sample) else {
             return Taken::Calibrating;
