@@ -34,8 +34,9 @@ pub struct Part {
 
 /// A test of a sample against a threshold is to cost nothing against the run that it saves.
 const TRIGGER_LIMIT: u64 = 60;
-/// A prediction of what is owed replaces a foresight at every sample.
-const PREDICTION_LIMIT: u64 = 150;
+/// A prediction of what is owed replaces a foresight; below half of the budget every second sample is
+/// looked at, so that a sample costs 150 at most.
+const PREDICTION_LIMIT: u64 = 180;
 /// A refit is to be done in idle between two samples of the gyroscope, more or less: 1.2 ms.
 const REFIT_LIMIT: u64 = 200_000;
 
@@ -80,8 +81,19 @@ pub const REFIT: Part = part("refit, typical labels", 16, Some(REFIT_LIMIT));
 /// `RefitJob::fit` on what a search for the dearest labels brings.
 pub const WORST_REFIT: Part = part("refit, dearest labels found", 1024, Some(REFIT_LIMIT));
 
+/// A sum of two floats where no unit computes it, by the library of the compiler.
+pub const SOFT_SUM: Part = part("without an FPU: a sum", 256, None);
+/// A product.
+pub const SOFT_PRODUCT: Part = part("without an FPU: a product", 256, None);
+/// A quotient.
+pub const SOFT_QUOTIENT: Part = part("without an FPU: a quotient", 256, None);
+/// A comparison.
+pub const SOFT_COMPARISON: Part = part("without an FPU: a comparison", 256, None);
+/// A conversion from an integer, or to one.
+pub const SOFT_CONVERSION: Part = part("without an FPU: a conversion", 256, None);
+
 /// All of them, in the order in which the program measures.
-pub const PARTS: [Part; 16] = [
+pub const PARTS: [Part; 21] = [
     NOTHING,
     AXES_BELOW,
     AXES_ABOVE,
@@ -98,4 +110,9 @@ pub const PARTS: [Part; 16] = [
     SWAP,
     REFIT,
     WORST_REFIT,
+    SOFT_SUM,
+    SOFT_PRODUCT,
+    SOFT_QUOTIENT,
+    SOFT_COMPARISON,
+    SOFT_CONVERSION,
 ];

@@ -9,6 +9,8 @@ mod refits;
 #[cfg(target_os = "none")]
 mod sample;
 #[cfg(target_os = "none")]
+mod soft_floats;
+#[cfg(target_os = "none")]
 mod triggers;
 
 /// Only the emulated core counts instructions.
@@ -25,7 +27,7 @@ mod program {
     use reflex_bench::marks::{done, measured, rounds};
     use stm32f4xx_hal as _;
 
-    use crate::{refits, sample, triggers};
+    use crate::{refits, sample, soft_floats, triggers};
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
@@ -36,6 +38,7 @@ mod program {
         triggers::measure();
         sample::measure();
         refits::measure();
+        soft_floats::measure();
         done();
         loop {
             cortex_m::asm::wfi();

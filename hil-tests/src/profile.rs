@@ -10,9 +10,11 @@
 //! | `frames` | from an address to functions and modules |
 //! | `parts` | the table of parts |
 //! | `stacks` | from counted addresses to stacks of functions |
+//! | `floats` | which instructions compute with floats |
 //! | `report`, `flame` | sums, as text and JSON; stacks, as a flame graph |
 
 mod flame;
+mod floats;
 mod frames;
 mod parts;
 mod report;
@@ -28,6 +30,9 @@ pub use frames::Frame;
 pub use parts::{PARTS, REST};
 pub use report::{Profile, Share, Subject, TaskShare};
 pub use stacks::Stack;
+
+use emulated_board::Elf;
+use floats::Arithmetic;
 
 use crate::closed_loop::{self, Core, FlyOptions, Flyer, Scene};
 use crate::firmware::Firmware;
@@ -121,8 +126,9 @@ fn profiled(
         tally.executed
     );
     let stacks = stacks::of(&firmware.bytes, tally)?;
+    let floats = Arithmetic::count(&Elf::parse(firmware.bytes.clone())?, tally);
     Ok(Profiled {
-        profile: Profile::of(subject, counted, &stacks),
+        profile: Profile::of(subject, counted, &stacks, &floats),
         stacks,
     })
 }

@@ -20,7 +20,7 @@ pub mod tally;
 
 use std::num::NonZeroU64;
 
-pub use elf::Elf;
+pub use elf::{Code, Elf};
 pub use emulated::SensorLine;
 pub use fault::{Fault, FaultKind};
 pub use log::LogLine;

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::floats::Arithmetic;
 use super::parts::{PARTS, REST, part_of};
 use super::stacks::Stack;
 use crate::record::{Counted, HANDLERS};
@@ -55,6 +56,8 @@ pub struct Profile {
     pub functions: Vec<Share>,
     /// By task, the dearest first.
     pub tasks: Vec<TaskShare>,
+    /// Instructions that compute with floats: a core without a unit for them calls a library for each.
+    pub floats: Vec<Share>,
 }
 
 /// Instructions of a part, a function, a task, or all.
@@ -86,7 +89,12 @@ pub struct TaskShare {
 
 impl Profile {
     /// The sums of some stacks.
-    pub(super) fn of(subject: Subject, counted: &Counted, stacks: &[Stack]) -> Self {
+    pub(super) fn of(
+        subject: Subject,
+        counted: &Counted,
+        stacks: &[Stack],
+        floats: &BTreeMap<Arithmetic, u64>,
+    ) -> Self {
         let tally = &counted.tally;
         let length_s = (tally.to_ns - tally.from_ns) as f64 * 1e-9;
         let share = |name: &str, instructions: u64| {
@@ -140,6 +148,10 @@ impl Profile {
                 .collect(),
             functions: dearest_first(functions, |function| function),
             tasks: dearest_first(tasks, |task| &task.share),
+            floats: Arithmetic::ALL
+                .iter()
+                .map(|(it, name)| share(name, floats.get(it).copied().unwrap_or(0)))
+                .collect(),
             subject,
         }
     }
@@ -180,6 +192,8 @@ impl Profile {
         text.extend(self.functions.iter().take(LISTED).map(Share::row));
         text += &heading("task");
         text.extend(self.tasks.iter().map(|task| task.share.row()));
+        text += &heading("arithmetic of floats among them");
+        text.extend(self.floats.iter().map(Share::row));
         text
     }
 }
