@@ -26,7 +26,7 @@ mod tests;
 
 pub use sounding::{Column, Feature, Situation, Sounding};
 
-use super::owed::Impulse;
+use super::owed::{Impulse, OfAxes};
 use crate::airframe::{Axes, Mixed, MotorShares};
 use crate::estimate::{Motion, Rotation};
 use crate::time::{Duration, Instant, micros};
@@ -77,15 +77,16 @@ impl Prediction {
     /// filtered at a corner (Hz).
     #[must_use]
     pub fn new(axes: Axes, motors: usize, derivative_cutoff: f32) -> Self {
+        let (slopes, still) = (Slopes::new(derivative_cutoff), Rotation::default());
         Self {
             axes,
-            slopes: Slopes::new(derivative_cutoff),
+            slopes,
             sounded: 0,
             missed: false,
             due: Instant::from_ticks(0),
-            rotation: Rotation::default(),
+            rotation: still,
             command: MotorShares::all(0.0, motors),
-            form: Form::default(),
+            form: Form::of(&slopes, &still, &OfAxes::default(), &Impulse::default()),
             owed: Impulse::default(),
             covered: 0.0,
             exact: true,
@@ -160,7 +161,7 @@ impl Prediction {
             self.covered = motion.sums.dt;
             self.exact = true;
         } else {
-            self.form.jump(jump, motion.sums.dt);
+            self.form.jump(&jump, motion.sums.dt);
         }
     }
 
@@ -172,7 +173,7 @@ impl Prediction {
         self.exact = command.slack < LEAST_SLACK || self.sounded != Feature::EVERY;
         if !self.exact {
             let off = self.axes.between(held, &command.shares);
-            self.form = Form::of(&self.slopes, &self.rotation, off, &self.owed);
+            self.form = Form::of(&self.slopes, &self.rotation, &off, &self.owed);
         }
     }
 
@@ -194,7 +195,7 @@ impl Prediction {
             self.distrust();
         } else if !missed {
             let gain = time / (time * time + DRIFT_TIME * DRIFT_TIME);
-            self.slopes.correct_drift(miss.map(|miss| miss * gain));
+            self.slopes.correct_drift(&miss.map(|miss| miss * gain));
         }
         !refuted
     }

@@ -2,22 +2,19 @@
 
 use core::f32::consts::TAU;
 
-use super::sounding::Column;
-
+use super::sounding::{Column, Feature};
 use crate::estimate::{Motion, Rotation};
 use crate::math::Vec3;
 use crate::reactive::owed::{Impulse, OfAxes};
 
-/// What a command moves with: rates, angular accelerations and angles about three axes.
-type Nine<T> = [T; 9];
+/// What a command moves with: rates, angular accelerations and angles about three axes, and time.
+type OfFeatures<T> = [T; Feature::COUNT];
 
 /// How a command moves with what the body does, and with time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slopes {
-    /// Per rad/s, per rad/s2, per rad.
-    slopes: Nine<OfAxes>,
-    /// Per second.
-    drift: OfAxes,
+    /// Per rad/s, per rad/s2, per rad, per second.
+    of_features: OfFeatures<OfAxes>,
     /// Time constant (s) of the filter behind the angular acceleration.
     lag: f32,
 }
@@ -25,48 +22,60 @@ pub(super) struct Slopes {
 /// The impulse owed as an affine form of what the arrival stage knows.
 ///
 /// Coefficients lie as a sample needs them: a feature is loaded once, the axes stay in registers.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Form {
-    slopes: Nine<OfAxes>,
+    slopes: Slopes,
     time: OfAxes,
-    half_square_of_time: OfAxes,
     constant: OfAxes,
-    lag: f32,
 }
 
 impl Slopes {
     /// Flat slopes, for an angular acceleration that is filtered at a corner (Hz).
     pub(super) fn new(derivative_cutoff: f32) -> Self {
         Self {
-            slopes: Default::default(),
-            drift: OfAxes::default(),
+            of_features: Default::default(),
             lag: 1.0 / (TAU * derivative_cutoff),
         }
     }
 
-    /// Takes the slopes of one feature, or the drift.
-    pub(super) fn set(&mut self, column: &Column) {
-        let slope = column.feature.slope();
-        let place = slope.and_then(|place| self.slopes.get_mut(place));
-        *place.unwrap_or(&mut self.drift) = column.of_axes;
+    /// The slopes of one feature.
+    pub(super) fn of(&mut self, feature: Feature) -> Option<&mut OfAxes> {
+        self.of_features.get_mut(feature as usize)
     }
 
-    /// Adds to the drift, per second.
-    pub(super) fn correct_drift(&mut self, by: OfAxes) {
-        for (drift, by) in self.drift.iter_mut().zip(by) {
-            *drift += by;
+    /// Takes the slopes of one feature.
+    pub(super) fn set(&mut self, column: &Column) {
+        if let Some(slopes) = self.of(column.feature) {
+            *slopes = column.of_axes;
+        }
+    }
+
+    /// Adds to what time alone moves, per second.
+    pub(super) fn correct_drift(&mut self, by: &OfAxes) {
+        if let Some(drift) = self.of(Feature::Time) {
+            add_product(drift, by, 1.0);
         }
     }
 
     /// By how much a motion moves the command since a rotation.
     pub(super) fn change(&self, since: &Rotation, motion: &Motion) -> OfAxes {
-        let features = nine(
+        let features = features(
             motion.rotation.rates.0 - since.rates.0,
             motion.rotation.acceleration - since.acceleration,
             motion.sums.angle,
+            motion.sums.dt,
         );
-        let drifted = self.drift.map(|drift| drift * motion.sums.dt);
-        plus_products(drifted, &self.slopes, features)
+        self.on(&OfAxes::default(), &features)
+    }
+
+    /// A start and, for each feature, its slopes times how large it is.
+    #[inline(never)] // It takes every register of floats.
+    fn on(&self, start: &OfAxes, features: &OfFeatures<f32>) -> OfAxes {
+        let mut sums = *start;
+        for (slopes, feature) in self.of_features.iter().zip(features) {
+            add_product(&mut sums, slopes, *feature);
+        }
+        sums
     }
 }
 
@@ -76,72 +85,57 @@ impl Form {
     /// Summed over time, rates are the angle turned, and the angle is what was swept. Acceleration
     /// is the change of the rates, less what its filter still holds back: its own change times the
     /// filter's time constant.
-    pub(super) fn of(slopes: &Slopes, since: &Rotation, off: OfAxes, owed: &Impulse) -> Self {
+    pub(super) fn of(slopes: &Slopes, since: &Rotation, off: &OfAxes, owed: &Impulse) -> Self {
         let (rates, acceleration) = (since.rates.0, since.acceleration);
-        let of_slopes = |from, features| plus_products(from, &slopes.slopes, features);
-        let held_back = rates - acceleration * slopes.lag;
+        let at_first = features(-rates, -acceleration, Vec3::ZERO, 0.0);
+        let held_back = acceleration * slopes.lag - rates;
+        let summed = features(Vec3::ZERO, held_back, Vec3::ZERO, 0.0);
         Self {
-            slopes: slopes.slopes,
-            time: of_slopes(off, nine(-rates, -acceleration, Vec3::ZERO)),
-            half_square_of_time: slopes.drift,
-            constant: of_slopes(owed.0, nine(Vec3::ZERO, -held_back, Vec3::ZERO)),
-            lag: slopes.lag,
+            slopes: *slopes,
+            time: slopes.on(off, &at_first),
+            constant: slopes.on(&owed.0, &summed),
         }
     }
 
     /// The impulse owed after a motion.
     pub(super) fn impulse(&self, motion: &Motion) -> Impulse {
         let Motion { sums, rotation } = motion;
-        let summed = nine(
+        let summed = features(
             sums.angle,
-            rotation.rates.0 - rotation.acceleration * self.lag,
+            rotation.rates.0 - rotation.acceleration * self.slopes.lag,
             sums.swept,
-        );
-        let mut owed = plus_products(self.constant, &self.slopes, summed);
-        add_product(&mut owed, &self.time, sums.dt);
-        add_product(
-            &mut owed,
-            &self.half_square_of_time,
             0.5 * sums.dt * sums.dt,
         );
-        Impulse(owed)
+        let mut start = self.constant;
+        add_product(&mut start, &self.time, sums.dt);
+        Impulse(self.slopes.on(&start, &summed))
     }
 
     /// The command jumps by so much, this long (s) after the rotation.
-    pub(super) fn jump(&mut self, by: OfAxes, at: f32) {
-        add_product(&mut self.time, &by, 1.0);
-        add_product(&mut self.constant, &by, -at);
+    pub(super) fn jump(&mut self, by: &OfAxes, at: f32) {
+        add_product(&mut self.time, by, 1.0);
+        add_product(&mut self.constant, by, -at);
     }
 }
 
-fn nine(rates: Vec3, acceleration: Vec3, angle: Vec3) -> Nine<f32> {
+fn features(rates: Vec3, acceleration: Vec3, angle: Vec3, time: f32) -> OfFeatures<f32> {
     let ([a, b, c], [d, e, f], [g, h, i]) =
         (rates.to_array(), acceleration.to_array(), angle.to_array());
-    [a, b, c, d, e, f, g, h, i]
-}
-
-/// A start and, for each feature, its slopes times how large it is.
-#[inline]
-fn plus_products(start: OfAxes, slopes: &Nine<OfAxes>, features: Nine<f32>) -> OfAxes {
-    let mut sums = start;
-    for (slopes, feature) in slopes.iter().zip(features) {
-        add_product(&mut sums, slopes, feature);
-    }
-    sums
+    [a, b, c, d, e, f, g, h, i, time]
 }
 
 #[inline]
-fn add_product(sums: &mut OfAxes, slopes: &OfAxes, feature: f32) {
+fn add_product(sums: &mut OfAxes, slopes: &OfAxes, by: f32) {
     for (sum, slope) in sums.iter_mut().zip(slopes) {
-        *sum += slope * feature;
+        *sum += slope * by;
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::airframe::Axes;
     use crate::estimate::Arrival;
-    use crate::reactive::prediction::Feature;
     use crate::sensors::ImuSample;
     use crate::time::at_micros;
     use crate::units::{BodyRates, SpecificForce};
@@ -183,7 +177,7 @@ mod tests {
             arrive(&mut arrival, 0, [0.0; 3]);
             arrive(&mut arrival, 1000, before);
             let since = arrival.take_motion().rotation;
-            let form = Form::of(&slopes, &since, off, &Impulse(owed));
+            let form = Form::of(&slopes, &since, &off, &Impulse(owed));
             let (mut summed, mut last) = (owed.map(f64::from), 0.0);
             // Swept is a sum of trapezoids, the others of rectangles.
             let mut slack = 1e-6;
@@ -206,10 +200,10 @@ mod tests {
 
         #[test]
         fn a_jump_counts_from_its_instant_on(by in prop::array::uniform4(-0.5f32..0.5), late in 1u64..40) {
-            let mut form = Form::of(&Slopes::new(CUTOFF), &Rotation::default(), [0.0; 4], &Impulse::default());
+            let mut form = Form::of(&Slopes::new(CUTOFF), &Rotation::default(), &[0.0; 4], &Impulse::default());
             let mut motion = Motion::default();
             motion.sums.dt = late as f32 * 1e-3;
-            form.jump(by, 0.5e-3 * late as f32);
+            form.jump(&by, 0.5e-3 * late as f32);
             for (owed, by) in form.impulse(&motion).0.into_iter().zip(by) {
                 prop_assert!((owed - by * 0.5e-3 * late as f32).abs() < 1e-7);
             }

@@ -74,11 +74,6 @@ impl Feature {
         1 << self as u16
     }
 
-    /// Its place among the slopes; `None` for time.
-    pub(super) fn slope(self) -> Option<usize> {
-        (self != Self::Time).then_some(self as usize)
-    }
-
     /// By how much it is moved: what turbulence does within a few samples.
     fn step(self) -> f32 {
         match self as u8 / 3 {
