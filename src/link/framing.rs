@@ -17,6 +17,9 @@ use mavlink::dialects::common::{
 };
 use mavlink::{MAV_STX, MAV_STX_V2, MessageData};
 
+/// Bytes that tell how long a frame is: its mark, the payload's length, flags.
+const START: usize = 3;
+
 /// Bytes of a MAVLink 1 frame beside its payload.
 const OVERHEAD_1: usize = 8;
 
@@ -37,8 +40,8 @@ pub(super) struct RawFrame<'a> {
 
 /// What the bytes held so far begin with.
 pub(super) enum Candidate<'a> {
-    /// A frame that may be sound, but is not complete.
-    Incomplete,
+    /// A frame that may be sound; nothing more can be said before so many bytes are held.
+    Incomplete(usize),
     /// A frame of a message used, checksum verified, of so many bytes.
     Sound(RawFrame<'a>, usize),
     /// A frame of a message not used, unverified, of so many bytes.
@@ -56,30 +59,27 @@ pub(super) enum Candidate<'a> {
 /// Judges the bytes held so far.
 pub(super) fn examine(held: &[u8]) -> Candidate<'_> {
     match *held {
-        [] | [MAV_STX | MAV_STX_V2] | [MAV_STX_V2, _] => Candidate::Incomplete,
-        [MAV_STX, length, ..] => {
+        [MAV_STX, length, _, ..] => {
             let total = OVERHEAD_1 + usize::from(length);
             if held.len() < total {
-                return Candidate::Incomplete;
+                return Candidate::Incomplete(total);
             }
             Candidate::Version1(total)
         }
         [MAV_STX_V2, _, flags, ..] if flags & !IFLAG_SIGNED != 0 => Candidate::BadFlags,
         [MAV_STX_V2, length, flags, ..] => {
-            let signed = flags & IFLAG_SIGNED != 0;
-            examine_complete(held, usize::from(length), signed).unwrap_or(Candidate::Incomplete)
+            let signature = if flags == 0 { 0 } else { SIGNATURE_SIZE };
+            let total = OVERHEAD_2 + usize::from(length) + signature;
+            examine_complete(held, length.into(), total).unwrap_or(Candidate::Incomplete(total))
         }
+        [] | [MAV_STX | MAV_STX_V2, ..] => Candidate::Incomplete(START),
         _ => Candidate::Garbage,
     }
 }
 
-/// Judges a MAVLink 2 frame; `None` where it is not complete.
-fn examine_complete(held: &[u8], length: usize, signed: bool) -> Option<Candidate<'_>> {
-    let total = OVERHEAD_2 + length + if signed { SIGNATURE_SIZE } else { 0 };
-    if held.len() < total {
-        return None;
-    }
-    let (header, rest) = held.split_first_chunk::<10>()?;
+/// Judges a MAVLink 2 frame of `total` bytes; `None` where it is not complete.
+fn examine_complete(held: &[u8], length: usize, total: usize) -> Option<Candidate<'_>> {
+    let (header, rest) = held.get(..total)?.split_first_chunk::<10>()?;
     let (payload, rest) = rest.split_at_checked(length)?;
     let sent = u16::from_le_bytes(*rest.first_chunk()?);
     let [_, _, _, _, sequence, system, component, id @ ..] = *header;
@@ -140,15 +140,20 @@ impl Held {
         (self.length > 0).then_some(self.since)
     }
 
-    /// Adds a byte. There is room: a frame as long as the buffer is complete, hence taken.
-    pub fn push(&mut self, at: Instant, byte: u8) {
+    /// Adds bytes until `wanted` are held, or all; those that are left. There is room: none but
+    /// an incomplete frame wants more.
+    pub fn fill<'a>(&mut self, at: Instant, bytes: &'a [u8], wanted: usize) -> &'a [u8] {
         if self.length == 0 {
             self.since = at;
         }
-        if let Some(free) = self.bytes.get_mut(self.length) {
-            *free = byte;
-            self.length += 1;
+        let missing = wanted.saturating_sub(self.length);
+        let (taken, left) = bytes.split_at_checked(missing).unwrap_or((bytes, &[]));
+        let end = self.length + taken.len();
+        if let Some(free) = self.bytes.get_mut(self.length..end) {
+            free.copy_from_slice(taken);
+            self.length = end;
         }
+        left
     }
 
     /// Forgets the first `count` bytes.

@@ -30,9 +30,10 @@ pub enum Incoming {
 
 /// Reads MAVLink 2 frames from a stream of bytes.
 ///
-/// Holds at most one frame of 280 bytes. A byte costs some tens of instructions, the last one
-/// of a frame also the checksum and the decoding. Should noise fill the buffer with starts
-/// of frames, one byte may cost as many checksums as starts: a few ms at 168 MHz, once.
+/// Holds at most one frame of 280 bytes, and looks at it only where another byte can tell
+/// something new: once it is known to be one, and once it is complete. Should noise fill the
+/// buffer with starts of frames, one byte may cost as many checksums as starts: a few ms at
+/// 168 MHz, once.
 pub struct Parser {
     held: Held,
     sequences: Sequences,
@@ -74,7 +75,7 @@ impl Parser {
         Feed {
             parser: self,
             at,
-            bytes: bytes.iter(),
+            bytes,
         }
     }
 
@@ -88,7 +89,7 @@ impl Parser {
     fn step(&mut self) -> Step {
         let counters = &mut self.counters;
         let (length, found) = match examine(self.held.as_slice()) {
-            Candidate::Incomplete => return Step::Hungry,
+            Candidate::Incomplete(wanted) => return Step::Hungry(wanted),
             Candidate::Sound(frame, length) => {
                 (length, accept(&frame, &mut self.sequences, counters))
             }
@@ -124,8 +125,8 @@ impl Parser {
 }
 
 enum Step {
-    /// The bytes held may be the beginning of a frame: more are needed.
-    Hungry,
+    /// The bytes held may be the beginning of a frame: so many are needed, more than there are.
+    Hungry(usize),
     /// Some bytes are done with; there may be more to find in the rest.
     Nothing,
     Found(Incoming),
@@ -178,19 +179,22 @@ fn accept(
 pub struct Feed<'a> {
     parser: &'a mut Parser,
     at: Instant,
-    bytes: core::slice::Iter<'a, u8>,
+    bytes: &'a [u8],
 }
 
 impl Iterator for Feed<'_> {
     type Item = Incoming;
 
     fn next(&mut self) -> Option<Incoming> {
-        // Ends: every step but the hungry one takes at least one byte off those held.
+        // Ends: a hungry step takes at least one byte of these, any other one off those held.
         loop {
             match self.parser.step() {
                 Step::Found(incoming) => return Some(incoming),
                 Step::Nothing => {}
-                Step::Hungry => self.parser.held.push(self.at, *self.bytes.next()?),
+                Step::Hungry(_) if self.bytes.is_empty() => return None,
+                Step::Hungry(wanted) => {
+                    self.bytes = self.parser.held.fill(self.at, self.bytes, wanted);
+                }
             }
         }
     }

@@ -19,8 +19,8 @@ pub struct Overrun;
 
 /// The port that a link uses.
 pub trait Port {
-    /// Copies what came since the last call into `into`, and says how many bytes that was. What
-    /// does not fit stays for the next call.
+    /// Copies what came since the last call into `into`, and says how many bytes that was. Only
+    /// where it is full may more wait for the next call.
     ///
     /// # Errors
     /// Bytes were lost; those that wait are dropped.
@@ -72,10 +72,6 @@ impl<P: Port> Link<P> {
             let Ok(count) = self.port.take(&mut chunk) else {
                 return Some(Fault::LinkOverrun);
             };
-            if count == 0 {
-                let more = self.parser.counters().spoilt() != spoilt;
-                return more.then_some(Fault::LinkFrame);
-            }
             for incoming in self.parser.feed(at, chunk.get(..count).unwrap_or_default()) {
                 let (from, command, answer) = match incoming {
                     Incoming::Message { from, message } => (from, ARM_DISARM, deliver(&message)),
@@ -90,6 +86,10 @@ impl<P: Port> Link<P> {
                     // No room means a serial line far too slow: the peer asks again.
                     let _ = self.port.send(frame.as_bytes());
                 }
+            }
+            if count < CHUNK {
+                let more = self.parser.counters().spoilt() != spoilt;
+                return more.then_some(Fault::LinkFrame);
             }
         }
     }

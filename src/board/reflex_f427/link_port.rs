@@ -101,13 +101,6 @@ impl LinkPort {
         (RING - usize::from(self.receive.number_of_transfers())) % RING
     }
 
-    fn read(&self, place: usize) -> u8 {
-        self.ring.get(place).map_or(0, |byte| {
-            // SAFETY: a valid reference; volatile, because the DMA controller writes the ring.
-            unsafe { core::ptr::read_volatile(byte) }
-        })
-    }
-
     /// The end of a block: starts the next one.
     pub fn on_sent(&mut self) {
         self.send.clear_all_flags();
@@ -131,6 +124,14 @@ impl LinkPort {
         // SAFETY: configured in `prepare_sending`; the block is static, `length` is within it, and
         // it is written again only after `on_sent`.
         unsafe { self.send.enable() };
+    }
+}
+
+/// Copies out of the ring, byte by byte.
+fn copy(ring: &[u8], into: &mut [u8]) {
+    for (byte, place) in into.iter_mut().zip(ring) {
+        // SAFETY: a valid reference; volatile, because the DMA controller writes the ring.
+        *byte = unsafe { core::ptr::read_volatile(place) };
     }
 }
 
@@ -160,10 +161,11 @@ impl Port for LinkPort {
             return Err(Overrun);
         }
         let count = waiting.min(into.len());
-        for byte in into.iter_mut().take(count) {
-            *byte = self.read(self.next);
-            self.next = (self.next + 1) % RING;
-        }
+        let (into, _) = into.split_at_mut_checked(count).unwrap_or_default();
+        let (to_end, anew) = into.split_at_mut(count.min(RING - self.next));
+        copy(self.ring.get(self.next..).unwrap_or_default(), to_end);
+        copy(&self.ring[..], anew);
+        self.next = (self.next + count) % RING;
         Ok(count)
     }
 

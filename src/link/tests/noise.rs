@@ -1,6 +1,7 @@
 //! Truncation, flipped bits, garbage, any chunking.
 
 use super::*;
+use core::ops::Range;
 use proptest::prelude::*;
 
 /// Everything but the counters of noise.
@@ -131,24 +132,46 @@ fn stream() -> impl Strategy<Value = Vec<u8>> {
     proptest::collection::vec(piece(), 0..12).prop_map(|pieces| pieces.concat())
 }
 
+/// Lengths of chunks, each with the pause before it in ms.
+fn chunks(pauses: Range<u64>) -> impl Strategy<Value = Vec<(usize, u64)>> {
+    proptest::collection::vec((1..40_usize, pauses), 1..20)
+}
+
+/// What a new parser makes of bytes that come in such chunks, over and over, and are fed in
+/// pieces of so many bytes at most.
+fn read_in_chunks(
+    mut bytes: &[u8],
+    chunks: &[(usize, u64)],
+    most: usize,
+) -> (Vec<Incoming>, LinkCounters) {
+    let (mut parser, mut found, mut at) = (Parser::new(), Vec::new(), NOW);
+    for (length, pause) in chunks.iter().cycle() {
+        let (chunk, behind) = bytes.split_at(bytes.len().min(*length));
+        if chunk.is_empty() {
+            break;
+        }
+        at += crate::time::micros(1000 * pause);
+        for piece in chunk.chunks(most) {
+            found.extend(parser.feed(at, piece));
+        }
+        bytes = behind;
+    }
+    (found, parser.counters())
+}
+
 proptest! {
     #[test]
-    fn any_chunking_gives_the_same_result(
+    fn any_chunking_gives_the_same_result(bytes in stream(), chunks in chunks(0..1)) {
+        prop_assert_eq!(read_in_chunks(&bytes, &chunks, usize::MAX), read(&bytes));
+    }
+
+    #[test]
+    fn chunks_with_pauses_are_read_as_if_byte_by_byte(
         bytes in stream(),
-        sizes in proptest::collection::vec(1..40_usize, 1..20),
+        chunks in chunks(0..150),
     ) {
-        let mut parser = Parser::new();
-        let mut found = Vec::new();
-        let mut rest = &bytes[..];
-        for size in sizes.iter().cycle() {
-            if rest.is_empty() {
-                break;
-            }
-            let (chunk, behind) = rest.split_at(rest.len().min(*size));
-            found.extend(parser.feed(NOW, chunk));
-            rest = behind;
-        }
-        prop_assert_eq!((found, parser.counters()), read(&bytes));
+        let found = read_in_chunks(&bytes, &chunks, usize::MAX);
+        prop_assert_eq!(found, read_in_chunks(&bytes, &chunks, 1));
     }
 
     #[test]
