@@ -1,5 +1,7 @@
 //! The call log in memory: a ring that overwrites its oldest bytes.
 
+use core::sync::atomic::{Ordering, compiler_fence};
+
 use super::{Call, LONGEST_RECORD, Recorder, Stamped};
 use crate::time::Instant;
 
@@ -14,7 +16,8 @@ pub const RING_LENGTH: usize = 2048;
 #[repr(C)]
 pub struct CallRing {
     written: u32,
-    bytes: [u8; RING_LENGTH],
+    /// The ring, and behind it room for the end of a record: each is encoded in one piece.
+    bytes: [u8; RING_LENGTH + LONGEST_RECORD],
 }
 
 impl CallRing {
@@ -23,7 +26,7 @@ impl CallRing {
     pub const fn new() -> Self {
         Self {
             written: 0,
-            bytes: [0; RING_LENGTH],
+            bytes: [0; RING_LENGTH + LONGEST_RECORD],
         }
     }
 }
@@ -36,18 +39,21 @@ impl Default for CallRing {
 
 impl Recorder for CallRing {
     fn record(&mut self, at: Instant, call: &Call) {
-        let mut buffer = [0; LONGEST_RECORD];
-        let record = Stamped { at, call: *call }.encode(&mut buffer);
         let start = self.written as usize % RING_LENGTH;
-        let first = record.len().min(RING_LENGTH - start);
-        let (front, back) = record.split_at(first);
-        if let Some(place) = self.bytes.get_mut(start..start + front.len()) {
-            place.copy_from_slice(front);
+        let place = self.bytes.get_mut(start..).unwrap_or_default();
+        let Some(place) = place.first_chunk_mut() else {
+            return;
+        };
+        let length = Stamped { at, call: *call }.encode(place).len();
+        if let Some((ring, behind)) = self.bytes.split_first_chunk_mut::<RING_LENGTH>() {
+            let crossed = (start + length).saturating_sub(RING_LENGTH);
+            for (place, byte) in ring.iter_mut().zip(behind.iter().take(crossed)) {
+                *place = *byte;
+            }
         }
-        if let Some(place) = self.bytes.get_mut(..back.len()) {
-            place.copy_from_slice(back);
-        }
-        self.written = self.written.wrapping_add(record.len() as u32);
+        // A reader may look between any two instructions: it finds all that is counted.
+        compiler_fence(Ordering::Release);
+        self.written = self.written.wrapping_add(length as u32);
     }
 }
 
