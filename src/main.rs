@@ -181,12 +181,13 @@ mod app {
 
     /// A burst or a check is there, or was cut off.
     #[task(binds = DMA1_STREAM0, priority = 4, shared = [imu_bus, autopilot])]
-    fn imu_received(cx: imu_received::Context) {
-        let (mut bus, mut autopilot) = (cx.shared.imu_bus, Piloted(cx.shared.autopilot));
-        while let Some(report) = bus.lock(|bus| bus.report()) {
-            if let Some(difference) = imu::received(&mut Vectors, &mut autopilot, &report) {
-                board::imu::warn(&difference);
-            }
+    fn imu_received(mut cx: imu_received::Context) {
+        let Some(report) = cx.shared.imu_bus.lock(|bus| bus.report()) else {
+            return;
+        };
+        let mut autopilot = Piloted(cx.shared.autopilot);
+        if let Some(difference) = imu::received(&mut Vectors, &mut autopilot, &report) {
+            board::imu::warn(&difference);
         }
         Vectors.raise(Task::Idle);
     }

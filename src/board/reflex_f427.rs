@@ -29,7 +29,6 @@ use embedded_hal_bus::util::AtomicCell;
 use reflex::airframe::Mixer;
 use reflex::sensors::Input;
 use reflex::tasks::link;
-use reflex_drivers::mpu6050::BURST_LENGTH;
 use stm32f4xx_hal::dma::StreamsTuple;
 use stm32f4xx_hal::gpio::{self, AnyPin, Output, PC0, PinState, Pull, gpioa, gpioc, gpiod};
 use stm32f4xx_hal::syscfg::SysCfg;
@@ -124,7 +123,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     );
     let mut bus = i2c::Bus::new(device.I2C1, scl, sda, rcc);
     imu::start(&mut bus);
-    let buffer = singleton!(: [u8; BURST_LENGTH] = [0; BURST_LENGTH]).unwrap();
+    let buffer = singleton!(: i2c::Buffer = i2c::Buffer::default()).unwrap();
     let mut imu_bus = Engine::new(streams.0, buffer);
     imu_bus.give_back(bus, None);
     watchdog.feed();

@@ -127,8 +127,8 @@ impl<I: Imu> Guard<I> {
     }
 
     /// A burst was received, or the bus came back from a repair.
-    pub fn hear(&mut self, now: Instant) {
-        self.heard = now;
+    pub fn hear(&mut self, at: Instant) {
+        self.heard = at;
     }
 
     /// True where bursts have stopped coming. Also has a check read behind the next one.
@@ -138,9 +138,9 @@ impl<I: Imu> Guard<I> {
     }
 
     /// The check to be read behind the burst of an interrupt at `at`, where one is due and ends
-    /// before the next burst.
-    pub fn check(&mut self, at: Instant, now: Instant) -> Option<I::Check> {
-        if !self.check_due || span(at, now) >= LATEST_CHECK {
+    /// before the next burst. The clock is read only where one is due.
+    pub fn check(&mut self, at: Instant, now: impl FnOnce() -> Instant) -> Option<I::Check> {
+        if !self.check_due || span(at, now()) >= LATEST_CHECK {
             return None;
         }
         let check = I::CHECKS.get(self.turn)?;

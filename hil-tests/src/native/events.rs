@@ -57,7 +57,7 @@ impl NativeBoard {
             Some(bytes) => Report::Burst(at, bytes),
             None => Report::Fault(now, Fault::ImuBus),
         });
-        if let Some(check) = self.guard.check(at, now) {
+        if let Some(check) = self.guard.check(at, || now) {
             self.imu_bus.time.set_ns(self.now_ns);
             let mut held = [0; LONGEST_CHECK];
             let into = &mut held[..usize::from(check.length)];

@@ -16,7 +16,7 @@ use stm32f4xx_hal::{pac, rcc, rcc::Enable, rcc::Reset};
 
 use crate::board::clock::Delay;
 
-pub use engine::Engine;
+pub use engine::{Buffer, Engine};
 
 /// APB1 clock in MHz, which the peripheral wants to know.
 const PCLK_MHZ: u8 = 42;

@@ -1,7 +1,7 @@
 //! Bursts of the MPU6050 moved by interrupts and DMA: no instruction waits.
 //!
-//! One transaction is START, address, register, repeated START, address, data by DMA, STOP: five
-//! event interrupts of some 40 instructions and one at the end of the DMA. A transaction still
+//! One transaction is START, address, register, repeated START, address, data by DMA, STOP: four
+//! event interrupts of some 30 instructions and one at the end of the DMA. A transaction still
 //! under way when the next one is due is cut off and reported: nothing here waits, so nothing
 //! here can hang. Checks of the chip's registers are appended to a burst by a repeated START, so
 //! they never delay one.
@@ -19,11 +19,17 @@ use stm32f4xx_hal::pac::{self, Interrupt};
 
 use super::Bus;
 
-/// Event interrupts of one transaction before it counts as hung; five are expected, and a START
+/// Event interrupts of one transaction before it counts as hung; four are expected, and a START
 /// that waits for its turn on the bus repeats the one before it for some microseconds.
 const MOST_EVENTS: u8 = 100;
-/// Reports that may wait.
-const REPORTS: usize = 4;
+/// Faults that may wait to be reported.
+const FAULTS: usize = 4;
+
+/// The vector of the task that takes the reports: that of the DMA stream.
+const READER: Interrupt = Interrupt::DMA1_STREAM0;
+
+/// Where the DMA puts a burst: in words, which are read in fewer steps than bytes.
+pub type Buffer = [u32; BURST_LENGTH.div_ceil(4)];
 
 type Report = imu::Report<Sensor>;
 
@@ -34,13 +40,28 @@ enum Purpose {
     Check(Check),
 }
 
+impl Purpose {
+    fn register(self) -> u8 {
+        match self {
+            Self::Burst(_) => BURST_START,
+            Self::Check(check) => check.register,
+        }
+    }
+
+    fn length(self) -> u16 {
+        match self {
+            Self::Burst(_) => BURST_LENGTH as u16,
+            Self::Check(check) => u16::from(check.length),
+        }
+    }
+}
+
 /// What the transaction under way waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
     Idle,
     Start,
     WriteAddress,
-    Register,
     Restart,
     ReadAddress,
     Data,
@@ -50,12 +71,12 @@ enum Phase {
 pub struct Engine {
     bus: Option<Bus>,
     stream: Stream0<pac::DMA1>,
-    buffer: &'static mut [u8; BURST_LENGTH],
+    buffer: &'static mut Buffer,
     phase: Phase,
     purpose: Purpose,
     guard: Guard<Sensor>,
     events: u8,
-    reports: Deque<Report, REPORTS>,
+    faults: Deque<(Instant, Fault), FAULTS>,
 }
 
 impl Guarded for Engine {
@@ -69,7 +90,7 @@ impl Guarded for Engine {
 impl Engine {
     /// Takes the stream and a buffer that the DMA controller can reach; the bus comes by
     /// [`Engine::give_back`].
-    pub fn new(mut stream: Stream0<pac::DMA1>, buffer: &'static mut [u8; BURST_LENGTH]) -> Self {
+    pub fn new(mut stream: Stream0<pac::DMA1>, buffer: &'static mut Buffer) -> Self {
         stream.set_channel(ChannelX::<1>::VALUE);
         stream.set_direction(DmaDirection::PeripheralToMemory);
         stream.set_memory_increment(true);
@@ -85,7 +106,7 @@ impl Engine {
             purpose: Purpose::Burst(never),
             guard: Guard::new(never),
             events: 0,
-            reports: Deque::new(),
+            faults: Deque::new(),
         }
     }
 
@@ -118,12 +139,14 @@ impl Engine {
         self.guard.hear(crate::board::now());
     }
 
-    /// The oldest report that was not taken yet; call until `None`.
+    /// A cut-off that was not reported yet, or what the transaction that ended led to.
     pub fn report(&mut self) -> Option<Report> {
-        if self.phase == Phase::Data && self.stream.is_transfer_complete() {
-            self.finish();
+        if let Some((at, fault)) = self.faults.pop_front() {
+            // There may be more to report.
+            rtic::pend(READER);
+            return Some(Report::Fault(at, fault));
         }
-        self.reports.pop_front()
+        (self.phase == Phase::Data && self.stream.is_transfer_complete()).then(|| self.finish())
     }
 
     fn begin(&mut self, purpose: Purpose) {
@@ -132,14 +155,11 @@ impl Engine {
         self.events = 0;
         self.phase = Phase::Start;
         bus.listen(Listen::Events);
-        bus.i2c
-            .cr1()
-            .write(|w| w.pe().set_bit().ack().set_bit().start().set_bit());
+        bus.request_start();
     }
 
     /// `I2C1_EV`: one step of the transaction.
     pub fn on_event(&mut self) {
-        let register = self.register();
         let Some(bus) = &mut self.bus else { return };
         let status = bus.i2c.sr1().read();
         self.events = self.events.saturating_add(1);
@@ -152,26 +172,19 @@ impl Engine {
                     // A byte that the last transaction left would shift all data by one.
                     bus.i2c.dr().read();
                 }
-                if let Purpose::Check(_) = self.purpose {
-                    // Its START had to wait for a byte's end: taken back, so that the next one
-                    // is a new request, whatever the peripheral remembers.
-                    bus.i2c.cr1().write(|w| w.pe().set_bit().ack().set_bit());
-                }
+                bus.take_start_back();
                 bus.i2c.dr().write(|w| w.dr().set(ADDRESS << 1));
                 self.phase = Phase::WriteAddress;
             }
             Phase::WriteAddress if status.addr().bit_is_set() => {
                 bus.i2c.sr2().read();
-                bus.i2c.dr().write(|w| w.dr().set(register));
-                self.phase = Phase::Register;
-            }
-            Phase::Register if status.btf().bit_is_set() => {
-                bus.i2c
-                    .cr1()
-                    .write(|w| w.pe().set_bit().ack().set_bit().start().set_bit());
+                bus.i2c.dr().write(|w| w.dr().set(self.purpose.register()));
+                // Waits for the end of that byte (RM0090, 27.3.3): no interrupt in between.
+                bus.request_start();
                 self.phase = Phase::Restart;
             }
             Phase::Restart if status.sb().bit_is_set() => {
+                bus.take_start_back();
                 bus.i2c.dr().write(|w| w.dr().set(ADDRESS << 1 | 1));
                 self.phase = Phase::ReadAddress;
             }
@@ -187,23 +200,9 @@ impl Engine {
         self.abort_now(Fault::ImuBus);
     }
 
-    fn register(&self) -> u8 {
-        match self.purpose {
-            Purpose::Burst(_) => BURST_START,
-            Purpose::Check(check) => check.register,
-        }
-    }
-
-    fn length(&self) -> u16 {
-        match self.purpose {
-            Purpose::Burst(_) => BURST_LENGTH as u16,
-            Purpose::Check(check) => u16::from(check.length),
-        }
-    }
-
     /// Hands the data phase to the DMA, then lets the address event end.
     fn receive(&mut self) {
-        let length = self.length();
+        let length = self.purpose.length();
         let Some(bus) = &mut self.bus else { return };
         self.stream
             .set_peripheral_address(bus.i2c.dr().as_ptr() as u32);
@@ -220,26 +219,32 @@ impl Engine {
         self.phase = Phase::Data;
     }
 
-    /// The DMA has the last byte: report, and go on with a check or end with STOP.
-    fn finish(&mut self) {
+    /// The DMA has the last byte: goes on with a check or ends with STOP.
+    fn finish(&mut self) -> Report {
         self.stream.clear_all_flags();
         // SAFETY: the transfer is complete; volatile, because the DMA controller wrote it.
-        let bytes = unsafe { core::ptr::read_volatile(self.buffer) };
-        let report = match self.purpose {
-            Purpose::Burst(at) => Report::Burst(at, bytes),
+        let words = unsafe { core::ptr::read_volatile(self.buffer) };
+        let bytes = words.map(u32::to_le_bytes);
+        let bytes = bytes.as_flattened().first_chunk();
+        let bytes = *bytes.unwrap_or(&[0; BURST_LENGTH]);
+        match self.purpose {
+            Purpose::Burst(at) => {
+                self.guard.hear(at);
+                match self.guard.check(at, crate::board::now) {
+                    Some(check) => self.begin(Purpose::Check(check)),
+                    None => self.end(),
+                }
+                Report::Burst(at, bytes)
+            }
             Purpose::Check(check) => {
+                self.end();
                 let [a, b, c, d, ..] = bytes;
                 Report::Check(check, [a, b, c, d])
             }
-        };
-        let _ = self.reports.push_back(report);
-        let now = crate::board::now();
-        if let Purpose::Burst(at) = self.purpose {
-            self.guard.hear(now);
-            if let Some(check) = self.guard.check(at, now) {
-                return self.begin(Purpose::Check(check));
-            }
         }
+    }
+
+    fn end(&mut self) {
         self.phase = Phase::Idle;
         if let Some(bus) = &mut self.bus {
             bus.listen(Listen::Nothing);
@@ -263,8 +268,8 @@ impl Engine {
 
     /// Reports a fault at the priority of the reports' reader; a full queue tells enough already.
     fn tell(&mut self, fault: Fault, at: Instant) {
-        let _ = self.reports.push_back(Report::Fault(at, fault));
-        rtic::pend(Interrupt::DMA1_STREAM0);
+        let _ = self.faults.push_back((at, fault));
+        rtic::pend(READER);
     }
 
     fn stop_stream(&mut self) {
@@ -283,6 +288,18 @@ enum Listen {
 }
 
 impl Bus {
+    fn request_start(&mut self) {
+        self.i2c
+            .cr1()
+            .write(|w| w.pe().set_bit().ack().set_bit().start().set_bit());
+    }
+
+    /// A START that had to wait for a byte's end was carried out: taken back, so that the next one
+    /// is a new request, whatever the peripheral remembers.
+    fn take_start_back(&mut self) {
+        self.i2c.cr1().write(|w| w.pe().set_bit().ack().set_bit());
+    }
+
     fn listen(&mut self, what: Listen) {
         self.i2c.cr2().write(|w| {
             // SAFETY: as in `restart`.
