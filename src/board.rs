@@ -7,6 +7,7 @@
 //! | file | for |
 //! |---|---|
 //! | `clock` | core clock, monotonic, delays |
+//! | `idle` | sleep between tasks |
 //! | `lines` | external interrupts |
 //! | `guarded` | RTIC's resources as the tasks' |
 //! | `calls`, `settings_block` | symbols that a host reads and writes |
@@ -16,6 +17,7 @@ pub mod calls;
 mod clock;
 pub mod guarded;
 mod hard_fault;
+pub mod idle;
 mod lines;
 mod settings_block;
 mod watchdog;
@@ -27,17 +29,3 @@ pub use reflex_f427::{ChipLine, Chips, Engine, ImuLine, Link, Motors, imu, start
 
 pub use clock::{Mono, now};
 pub use settings_block::Given;
-
-use core::sync::atomic::{AtomicBool, Ordering};
-
-/// Sleeps until an interrupt, unless one has left work in the meantime.
-///
-/// With interrupts masked none can come between the look and the sleep; one that is pending ends
-/// the sleep all the same, and is served at once.
-pub fn sleep_unless(work: &AtomicBool) {
-    cortex_m::interrupt::free(|_| {
-        if !work.load(Ordering::Relaxed) {
-            cortex_m::asm::wfi();
-        }
-    });
-}

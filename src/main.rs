@@ -40,8 +40,6 @@ fn main() {
 #[cfg(target_os = "none")]
 #[rtic::app(device = stm32f4xx_hal::pac, dispatchers = [CAN1_TX, CAN1_RX0, CAN1_RX1])]
 mod app {
-    use core::sync::atomic::{AtomicBool, Ordering};
-
     use cortex_m::singleton;
     use defmt_rtt as _;
     use panic_probe as _;
@@ -64,8 +62,6 @@ mod app {
     const CHIPS: Interrupt = Interrupt::CAN2_RX0;
     /// Events that idle logs before it looks for a refit again.
     const MOST_EVENTS: usize = 8;
-    /// Set where idle may have something to do.
-    static WORK: AtomicBool = AtomicBool::new(true);
 
     /// The autopilot with its call log.
     pub type Pilot = Autopilot<&'static mut CallRing>;
@@ -84,7 +80,7 @@ mod app {
                 Task::Chips => rtic::pend(CHIPS),
                 // One that is under way already repairs the same chip.
                 Task::RepairImu => drop(repair_imu::spawn()),
-                Task::Idle => WORK.store(true, Ordering::Relaxed),
+                Task::Idle => board::idle::raise(),
             }
         }
 
@@ -189,7 +185,6 @@ mod app {
         if let Some(difference) = imu::received(&mut Vectors, &mut autopilot, &report) {
             board::imu::warn(&difference);
         }
-        Vectors.raise(Task::Idle);
     }
 
     /// The hyperperiod's end: propagates, writes the motors; the chips' thresholds follow.
@@ -197,6 +192,7 @@ mod app {
     fn hyperperiod(cx: hyperperiod::Context) {
         let (autopilot, motors) = (cx.shared.autopilot, cx.shared.motors);
         control::hyperperiod(&mut Vectors, &mut Piloted(autopilot), &mut Guarded(motors));
+        Vectors.raise(Task::Idle);
     }
 
     /// Ends a hyperperiod in which a gating sample is missing.
@@ -269,28 +265,28 @@ mod app {
         }
     }
 
-    /// Refits models and logs events, then sleeps until an interrupt.
+    /// Behind a run and the failsafe, ten times a second at least: refits models and logs events.
     #[idle(shared = [autopilot])]
     fn idle(cx: idle::Context) -> ! {
         let mut autopilot = cx.shared.autopilot;
         loop {
-            if WORK.swap(false, Ordering::Relaxed) {
-                if let Some(job) = autopilot.lock(|pilot| pilot.refit_due(now())) {
-                    let fit = job.fit();
-                    autopilot.lock(|pilot| pilot.on_refit(now(), fit));
-                }
-                if let Some(sounding) = autopilot.lock(|pilot| pilot.sounding_due(now())) {
-                    for column in sounding.columns() {
-                        autopilot.lock(|pilot| pilot.on_column(now(), column));
-                    }
-                    autopilot.lock(|pilot| pilot.on_sounded(now()));
-                }
-                let mut next = |_| autopilot.lock(|pilot| pilot.next_event());
-                for event in (0..MOST_EVENTS).map_while(&mut next) {
-                    defmt::info!("{}", event);
-                }
+            board::idle::wait();
+            if let Some(job) = autopilot.lock(|pilot| pilot.refit_due(now())) {
+                let fit = job.fit();
+                autopilot.lock(|pilot| pilot.on_refit(now(), fit));
+                // Another one may be due.
+                Vectors.raise(Task::Idle);
             }
-            board::sleep_unless(&WORK);
+            if let Some(sounding) = autopilot.lock(|pilot| pilot.sounding_due(now())) {
+                for column in sounding.columns() {
+                    autopilot.lock(|pilot| pilot.on_column(now(), column));
+                }
+                autopilot.lock(|pilot| pilot.on_sounded(now()));
+            }
+            let mut next = |_| autopilot.lock(|pilot| pilot.next_event());
+            for event in (0..MOST_EVENTS).map_while(&mut next) {
+                defmt::info!("{}", event);
+            }
         }
     }
 }

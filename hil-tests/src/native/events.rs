@@ -68,6 +68,8 @@ impl NativeBoard {
             });
             self.watch_imu();
         }
+        // The firmware looks for refits behind its runs, ten times a second at least: here they are
+        // looked for as soon as they may be due.
         self.vectors.idle = true;
         self.dispatch(ARRIVAL_NS);
     }

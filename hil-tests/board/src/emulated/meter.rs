@@ -17,6 +17,8 @@ use crate::tally::{Came, Tally};
 /// Number of the program status register by which GDB asks for it, and its exception's bits.
 const XPSR: usize = 16;
 const EXCEPTION: u16 = 0x1FF;
+/// Where the core is that sleeps as it leaves its last handler: the lowest value that returns from one.
+const ASLEEP_ON_EXIT: u32 = 0xF000_0000;
 
 /// The meter of a core, which the core and the loop around it share.
 #[derive(Clone, Debug, Default)]
@@ -133,6 +135,13 @@ impl Meter {
     /// Notices where the core went from an instruction: its address, and the one behind it.
     fn follow(&mut self, core: &dyn Processor, flow: Flow, [at, behind]: [u32; 2]) {
         let (pc, exception) = (core.pc() as u32, exception_of(core));
+        if pc >= ASLEEP_ON_EXIT {
+            self.active.retain(|active| active.exception == 0);
+            if self.active.is_empty() {
+                self.activate(0);
+            }
+            return;
+        }
         let Some(active) = self.active.last_mut() else {
             return self.activate(exception);
         };
@@ -178,7 +187,10 @@ impl Meter {
         match self.active.iter().rposition(of) {
             Some(place) => self.active.truncate(place + 1),
             None => {
-                *self.entries.entry(exception).or_default() += 1;
+                // The thread is none.
+                if exception != 0 {
+                    *self.entries.entry(exception).or_default() += 1;
+                }
                 self.activate(exception);
             }
         }
