@@ -17,7 +17,7 @@ mod telemetry;
 pub use crate::reactive::{Next, Outcome, Reason};
 pub use call::{Call, CallRing, DecodeError, LONGEST_RECORD, RING_LENGTH, Ran, Recorder, Stamped};
 pub use door::{ChipAction, ChipOrder, ChipSetting, Fault, OrderError};
-pub use telemetry::{Event, Events, Telemetry};
+pub use telemetry::{Event, Events, RunCounts, Telemetry};
 
 use crate::airframe::Mixer;
 use crate::control::Setpoint;

@@ -44,7 +44,7 @@ mod app {
     use defmt_rtt as _;
     use panic_probe as _;
     use reflex::airframe::Mixer;
-    use reflex::app::{Autopilot, CallRing};
+    use reflex::app::{Autopilot, CallRing, Event};
     use reflex::tasks::chips::{self as owner, Fetches};
     use reflex::tasks::{Board, Task, control, imu, link};
     use reflex::time::Instant;
@@ -285,7 +285,10 @@ mod app {
             }
             let mut next = |_| autopilot.lock(|pilot| pilot.next_event());
             for event in (0..MOST_EVENTS).map_while(&mut next) {
-                defmt::info!("{}", event);
+                match event {
+                    Event::Ran { .. } => defmt::debug!("{}", event),
+                    _ => defmt::info!("{}", event),
+                }
             }
         }
     }

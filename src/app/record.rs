@@ -2,7 +2,7 @@
 
 use super::call::{Call, Ran, Recorder};
 use super::door::Fault;
-use super::telemetry::{Event, Events};
+use super::telemetry::{Event, Events, RunCounter};
 use crate::reactive::{Label, Reason};
 use crate::sensors::Input;
 use crate::time::Instant;
@@ -14,15 +14,18 @@ pub(super) struct Record<R> {
     /// The newest instant that any call carried.
     clock: Instant,
     faults: [u32; Fault::COUNT],
+    runs: RunCounter,
     events: Events,
 }
 
 impl<R: Recorder> Record<R> {
     pub(super) fn new(recorder: R) -> Self {
+        let start = Instant::from_ticks(0);
         Self {
             recorder,
-            clock: Instant::from_ticks(0),
+            clock: start,
             faults: [0; Fault::COUNT],
+            runs: RunCounter::new(start),
             events: Events::default(),
         }
     }
@@ -43,6 +46,9 @@ impl<R: Recorder> Record<R> {
     /// Takes note of a run, which `changed` the command or not, where that is known at once.
     pub(super) fn ran(&mut self, at: Instant, ran: Ran, changed: Option<bool>, number: u32) {
         self.recorder.record(at, &Call::Ran(ran));
+        if let Some(counts) = self.runs.count(at, ran.reason) {
+            self.events.push(Event::Runs(counts));
+        }
         // On the ground a line every millisecond would tell nothing.
         if ran.reason != Reason::Ground {
             self.events.push(Event::Ran {

@@ -1,21 +1,25 @@
 //! What the autopilot tells: events for the log, a state for the link.
 //!
 //! Events wait in a bounded queue for the lowest-priority task; a full queue drops the newest
-//! and counts it, so that logging never holds control up. Every run carries its number, so a
-//! reader of the log sees gaps.
+//! and counts it, so that logging never holds control up. Runs are counted, and told one by one
+//! for who asks for details; each carries its number, so a reader of the log sees gaps.
 
 use super::door::{ChipOrder, ChipSetting, Fault, OrderError};
 use crate::math::Quaternion;
 use crate::reactive::{Fit, Phase, Reason};
 use crate::safety::{Arming, Refusal};
 use crate::sensors::{Input, Inputs};
+use crate::time::{Duration, Instant, micros, span};
 use heapless::Deque;
+
+/// Between two lines that count runs.
+const SECOND: Duration = micros(1_000_000);
 
 /// Something that happened, for the log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum Event {
-    /// Control ran.
+    /// Control ran: a line each, only in a log that tells details.
     Ran {
         /// Counts runs since start.
         number: u32,
@@ -26,6 +30,8 @@ pub enum Event {
         /// The command moved by a quantum or more; `None` where time must show what it repays.
         changed: Option<bool>,
     },
+    /// How often control ran since the last such line, a second ago or more.
+    Runs(RunCounts),
     /// The way of running control changed.
     Phase(Phase),
     /// A model was fitted.
@@ -57,6 +63,48 @@ pub enum Event {
     GoalHeld,
     /// Positions stopped while a goal was flown: level, heading free.
     PlaceLost,
+}
+
+/// How often control ran, by reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RunCounts([u16; Reason::COUNT]);
+
+#[cfg(target_os = "none")]
+impl defmt::Format for RunCounts {
+    fn format(&self, to: defmt::Formatter<'_>) {
+        for (reason, count) in Reason::ALL.iter().zip(self.0) {
+            if count > 0 {
+                defmt::write!(to, "{} {=u16} ", reason, count);
+            }
+        }
+    }
+}
+
+/// Counts runs, and tells their counts once a second.
+#[derive(Debug)]
+pub(super) struct RunCounter {
+    since: Instant,
+    counts: RunCounts,
+}
+
+impl RunCounter {
+    pub(super) const fn new(since: Instant) -> Self {
+        let counts = RunCounts([0; Reason::COUNT]);
+        Self { since, counts }
+    }
+
+    /// Counts a run; the counts of the runs before it where a second has passed.
+    pub(super) fn count(&mut self, at: Instant, reason: Reason) -> Option<RunCounts> {
+        let due = span(self.since, at) >= SECOND;
+        let told = due.then(|| {
+            self.since = at;
+            core::mem::take(&mut self.counts)
+        });
+        if let Some(count) = self.counts.0.get_mut(reason as usize) {
+            *count = count.saturating_add(1);
+        }
+        told
+    }
 }
 
 /// Room for events between two passes of idle.
@@ -102,4 +150,26 @@ pub struct Telemetry {
     pub runs: u32,
     /// Events that found no room in the queue.
     pub dropped_events: u32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::time::at_micros;
+
+    #[test]
+    fn runs_are_told_once_a_second_by_reason() {
+        let mut counter = RunCounter::new(at_micros(0));
+        let mut runs = (0..2_000).map(|ms| {
+            let reason = [Reason::Trigger, Reason::Failsafe][usize::from(ms % 4 == 0)];
+            counter.count(at_micros(1_000 * ms), reason)
+        });
+        let first = runs.by_ref().take(1_001).enumerate();
+        let told: Vec<_> = first.filter_map(|(ms, told)| Some((ms, told?))).collect();
+        let mut expected = RunCounts::default();
+        expected.0[Reason::Trigger as usize] = 750;
+        expected.0[Reason::Failsafe as usize] = 250;
+        assert_eq!(told, [(1_000, expected)]);
+        assert_eq!(runs.flatten().count(), 0);
+    }
 }
