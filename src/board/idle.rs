@@ -27,7 +27,8 @@ pub fn wait() {
     while !RAISED.swap(false, Ordering::Relaxed) {
         cortex_m::interrupt::free(|_| {
             if !RAISED.load(Ordering::Relaxed) {
-                // SAFETY: this module alone writes the register, here with interrupts masked.
+                // SAFETY: only this module writes the register after the start, here with interrupts
+                // masked.
                 unsafe { (*SCB::PTR).scr.modify(|held| held | SLEEP_ON_EXIT) }
                 cortex_m::asm::wfi();
             }

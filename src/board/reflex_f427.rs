@@ -113,7 +113,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     let (streams_of_link, buffers) = ((streams.5, streams.6), (ring, block));
     let port = link_port::LinkPort::start(device.USART2, streams_of_link, buffers, rcc);
 
-    let spi = spi::Spi1::new(device.SPI1, (a.pa5, a.pa6, a.pa7), rcc);
+    let spi = spi::Spi1::new(device.SPI1, (a.pa5, a.pa6, a.pa7), rcc, &mut core.SCB);
     let spi = singleton!(: AtomicCell<spi::Spi1> = AtomicCell::new(spi)).unwrap();
     let chips = chips::start(spi, chip_selects(a.pa4, c.pc4), &start.settings);
 
