@@ -252,11 +252,16 @@ impl Engine {
         }
     }
 
+    /// As [`Self::abort`]; not inlined, as its registers would be saved at every event.
+    #[cold]
+    #[inline(never)]
     fn abort_now(&mut self, fault: Fault) {
         self.abort(fault, crate::board::now());
     }
 
     /// Cuts the transaction off and reports it.
+    #[cold]
+    #[inline(never)]
     fn abort(&mut self, fault: Fault, at: Instant) {
         self.stop_stream();
         if let Some(bus) = &mut self.bus {
