@@ -26,9 +26,8 @@ pub const fn period_ticks(protocol: MotorProtocol) -> (u16, u16) {
 #[must_use]
 pub fn ticks(protocol: MotorProtocol, share: f32) -> u16 {
     let shortest = shortest(protocol);
-    #[expect(clippy::manual_clamp, reason = "not a number shall become zero")]
-    let share = share.max(0.0).min(1.0);
-    shortest + (share * f32::from(shortest) + 0.5) as u16
+    // The conversion takes what is below zero, or not a number, for zero.
+    shortest + ((share * f32::from(shortest) + 0.5) as u16).min(shortest)
 }
 
 #[cfg(test)]
@@ -42,6 +41,8 @@ mod tests {
             assert_eq!(ticks(protocol, 1.0), 2 * shortest(protocol));
             assert_eq!(ticks(protocol, -1.0), shortest(protocol));
             assert_eq!(ticks(protocol, f32::NAN), shortest(protocol));
+            assert_eq!(ticks(protocol, 1.1), 2 * shortest(protocol));
+            assert_eq!(ticks(protocol, f32::INFINITY), 2 * shortest(protocol));
             assert!(period_ticks(protocol).1 > ticks(protocol, 1.0));
         }
     }

@@ -90,6 +90,7 @@ impl Recorder for () {
 }
 
 impl<R: Recorder + ?Sized> Recorder for &mut R {
+    #[inline(always)]
     fn record(&mut self, at: Instant, call: &Call) {
         (**self).record(at, call);
     }
@@ -110,6 +111,9 @@ pub enum DecodeError {
 
 impl Stamped {
     /// Writes the record and returns it as a slice of `buffer`.
+    ///
+    /// Inlined, with all that leads to it: where a call is made its kind is known.
+    #[inline(always)]
     pub fn encode<'b>(&self, buffer: &'b mut [u8; LONGEST_RECORD]) -> &'b [u8] {
         let mut out = Encoder::new(buffer);
         out.byte(kind(&self.call));

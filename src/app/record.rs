@@ -31,6 +31,7 @@ impl<R: Recorder> Record<R> {
     }
 
     /// Takes note of a call and its instant.
+    #[inline(always)]
     pub(super) fn call(&mut self, at: Instant, call: Call) {
         self.clock = self.clock.max(at);
         self.recorder.record(at, &call);

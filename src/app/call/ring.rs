@@ -38,6 +38,7 @@ impl Default for CallRing {
 }
 
 impl Recorder for CallRing {
+    #[inline(always)]
     fn record(&mut self, at: Instant, call: &Call) {
         let start = self.written as usize % RING_LENGTH;
         let place = self.bytes.get_mut(start..).unwrap_or_default();
