@@ -8,6 +8,7 @@ pub mod arducopter;
 mod attitude_law;
 pub mod cleanflight;
 mod goal;
+mod integral;
 mod observer_law;
 mod one_pole;
 pub mod openpilot;

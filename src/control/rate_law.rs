@@ -1,7 +1,8 @@
 //! The inner loop: rate error to torque demands, PID about each axis.
 
+use super::integral::stepped;
 use crate::estimate::Rotation;
-use crate::math::{Vec3, limited};
+use crate::math::Vec3;
 use crate::units::{BodyRates, TorqueDemand};
 
 /// Gains of the rate loop, about each axis.
@@ -31,7 +32,7 @@ pub struct RateStretch {
     pub wanted: Vec3,
     /// Angle turned in it, in rad.
     pub turned: Vec3,
-    /// The motors could not give the demand: integrals may shrink but not grow.
+    /// The motors could not give the demand: integrals only shrink.
     pub saturated: bool,
 }
 
@@ -81,11 +82,7 @@ impl RateLaw {
     #[must_use]
     pub fn after(&self, state: &RateState, stretch: &RateStretch) -> RateState {
         let grow = |integral: f32, step: f32| {
-            if stretch.saturated && integral * step > 0.0 {
-                integral
-            } else {
-                limited(integral + step, self.integral_limit)
-            }
+            stepped(integral, step, self.integral_limit, stretch.saturated)
         };
         let step = (stretch.wanted - stretch.turned).scale(self.integral);
         let before = state.integral;

@@ -3,6 +3,7 @@
 use super::Climb;
 use crate::airframe::Mixed;
 use crate::control::Setpoint;
+use crate::control::integral::stepped;
 use crate::control::one_pole::{along, gone, time_constant};
 use crate::estimate::Increment;
 use crate::math::{Quaternion, Vec3, between, limited};
@@ -89,11 +90,12 @@ pub fn lifted(
     let error = lift.error
         + (missing / dt - lift.error) * gone(dt, time_constant(gains.altitude.error_cutoff_hz));
     let step = gains.altitude.throttle_i * missing;
-    let integral = if command.saturated && step * lift.integral > 0.0 {
-        lift.integral
-    } else {
-        limited(lift.integral + step, gains.altitude.throttle_integral_limit)
-    };
+    let integral = stepped(
+        lift.integral,
+        step,
+        gains.altitude.throttle_integral_limit,
+        command.saturated,
+    );
     let wanted = |integral: f32| {
         let wanted = lift.hover + gains.altitude.throttle_p * error + integral;
         between(wanted, 0.0, 1.0)
