@@ -26,8 +26,8 @@ use crate::graph::{ControlLogic, Flown, Tuned};
 use crate::link::{Answer, Destination, ExternalPose, Message};
 use crate::math::wrapped;
 use crate::reactive::{
-    Column, FallbackReason, Fit, Foresight, PhaseEvent, Reactive, Refit, RefitJob, Review, Run,
-    Situation, Sounding,
+    Column, FallbackReason, Fit, Foresight, Phase, PhaseEvent, Reactive, Refit, RefitJob, Review,
+    Run, Situation, Sounding,
 };
 use crate::safety::{Arming, ArmingEvent, MotorOutput, Passed, Refusal, Safety};
 use crate::sensors::{ChipSample, ImuReading, Input, Inputs};
@@ -221,7 +221,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         if !self.reactive.on_run(&run, command, flown) {
             self.record.fault(Fault::Prediction);
         }
-        self.chips.on_run();
+        self.chips.on_run(self.reactive.phase() == Phase::Reactive);
         let ran = Ran {
             reason,
             asked: judged.asked,

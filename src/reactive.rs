@@ -284,7 +284,7 @@ impl Reactive {
         }
         let crossed = self.learners.calls(input, axes);
         // Where the chip compared, its comparison decides.
-        if crossed || cause == Cause::Threshold {
+        if crossed || cause == Cause::Threshold && self.learners.lesson(input).triggers {
             self.schedule.ask(input);
         }
         if self.supervisor.is_learning() {
@@ -585,18 +585,20 @@ impl Reactive {
     /// The change past which a chip shall interrupt, in the input's SI unit; `None` where every
     /// sample is wanted.
     ///
-    /// A chip compares only in reactive control, with a model, against the last run's sample; one
-    /// that gates has every sample waited for.
+    /// Every sample teaches in the warm-up, is waited for where it gates, and is the reference of the
+    /// next with `previous-sample`. Else a chip compares, with its highest code where nothing is asked
+    /// of it.
     #[must_use]
     pub fn threshold_for_chip(&self, input: Input) -> Option<f32> {
-        let lesson = self.learners.lesson(input);
-        let decided = self.is_counted_on(input) || lesson.triggers && lesson.decision.is_closed();
-        let compares = self.phase() == Phase::Reactive
-            && self.learners.reference() == Reference::LastRun
-            && !GATES.contains(input)
-            && decided;
-        // Where nothing calls for a run, the chip's highest code.
-        compares.then(|| min(self.threshold(input), f32::MAX))
+        let asks = self.phase() == Phase::Reactive && self.learners.lesson(input).triggers;
+        let follows = asks && self.learners.reference() == Reference::PreviousSample;
+        if self.supervisor.is_learning() || GATES.contains(input) || follows {
+            None
+        } else if asks {
+            Some(min(self.threshold(input), f32::MAX))
+        } else {
+            Some(f32::MAX)
+        }
     }
 
     /// The change of an input above which it calls for a run, in its SI unit.

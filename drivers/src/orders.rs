@@ -51,11 +51,12 @@ pub enum ChipAction {
     /// Interrupt at every sample.
     DataReady,
     /// Interrupt past this change since the reference, on any axis; read back and check. The
-    /// driver rounds it down; a chip that cannot hold so fine a threshold interrupts at every
-    /// sample.
+    /// driver rounds it down, but not below the finest threshold that the chip holds.
     Threshold(f32),
     /// Make the present sample the reference, and deliver it.
     Rearm,
+    /// Deliver the present sample; the chip compares with the reference that it has.
+    Read,
     /// Deliver a sample and check what is programmed.
     Heartbeat,
 }
@@ -64,15 +65,14 @@ pub enum ChipAction {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum ChipSetting {
-    /// Every sample, which also serves every threshold below `finest`.
-    EverySample {
-        /// The finest threshold that the chip holds.
-        finest: f32,
-    },
-    /// A change past `level`, which serves every threshold from `level` to below `next`.
+    /// Every sample.
+    EverySample,
+    /// A change past `level`, which serves every threshold from `from` to below `next`.
     PastThreshold {
         /// The threshold that was programmed.
         level: f32,
+        /// The same; infinitely low for the finest that the chip holds.
+        from: f32,
         /// The next one that the chip holds; infinite behind its largest.
         next: f32,
     },
@@ -85,12 +85,18 @@ impl ChipSetting {
         matches!(self, Self::PastThreshold { .. })
     }
 
+    /// True where the chip holds the largest threshold that it can.
+    #[must_use]
+    pub fn is_closed(self) -> bool {
+        matches!(self, Self::PastThreshold { next, .. } if next == f32::INFINITY)
+    }
+
     /// True where this setting is also the one for another threshold.
     #[must_use]
     pub fn serves(self, threshold: f32) -> bool {
         match self {
-            Self::EverySample { finest } => threshold < finest,
-            Self::PastThreshold { level, next } => (level..next).contains(&threshold),
+            Self::EverySample => false,
+            Self::PastThreshold { from, next, .. } => (from..next).contains(&threshold),
         }
     }
 }
@@ -106,7 +112,8 @@ pub enum Cause {
     Threshold = 1,
     /// A heartbeat, independent of its interrupts.
     Heartbeat = 2,
-    /// The chip's reference was set to this very sample.
+    /// Changes are measured against this very sample: the chip's own, or, where the chip compares with
+    /// an older one, those that its owner takes.
     Rearm = 3,
 }
 

@@ -1,9 +1,12 @@
 //! What the chips that compare shall do, and what they were seen to do.
 //!
-//! In the warm-up every sample is wanted. In reactive control, with a model, the chip compares and
-//! interrupts only past its threshold. Thresholds are ordered in SI units; the chip's driver
-//! rounds them, and its answer says which thresholds the setting serves. Orders are given one at
-//! a time per chip, are read back by the board, and are repeated while they fail.
+//! While models are learned every sample is wanted. Else the chip compares and interrupts only past
+//! its threshold, the highest where nothing is asked of it. Thresholds are ordered in SI units; the
+//! chip's driver rounds them, and its answer says which thresholds the setting serves. Orders are
+//! given one at a time per chip, are read back by the board, and are repeated while they fail.
+//!
+//! After a run the reference is old. An open chip is re-armed, no more often than it samples; one at
+//! its highest threshold compares with whatever it has, and is read instead, seldom.
 
 use super::door::{ChipAction, ChipOrder, ChipSetting, OrderError};
 use crate::config::of_input;
@@ -17,6 +20,9 @@ const STUCK: u8 = 50;
 
 /// After this long without an answer an order counts as lost, and after a failure is given again.
 const PATIENCE: Duration = micros(100_000);
+
+/// How often the estimator wants the magnetic field.
+const FIELD_INTERVAL: Duration = micros(20_000);
 
 /// What a chip shall interrupt for: every sample, or a change past a threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,8 +57,10 @@ struct Chip {
     /// When the order under way was given, or the last one failed: nothing is ordered for a while.
     quiet_since: Option<Instant>,
     failures: u32,
-    rearm: bool,
-    rearmed: Instant,
+    /// The reference is older than the last run.
+    ran: bool,
+    /// When the reference was taken.
+    referred: Instant,
     seen: Instant,
     /// When its threshold was last read back.
     checked: Instant,
@@ -64,12 +72,12 @@ struct Chip {
 impl Default for Chip {
     fn default() -> Self {
         Self {
-            wanted: Mode::DataReady,
+            wanted: Mode::Threshold(f32::MAX),
             programmed: None,
             quiet_since: None,
             failures: 0,
-            rearm: false,
-            rearmed: Instant::from_ticks(0),
+            ran: false,
+            referred: Instant::from_ticks(0),
             seen: Instant::from_ticks(0),
             checked: Instant::from_ticks(0),
             silence_noticed: false,
@@ -110,22 +118,32 @@ impl Chip {
         !self.silence_noticed && !self.is_stuck()
     }
 
-    /// What it shall do next. Re-arming more often than it samples would change nothing.
-    fn need(&mut self, now: Instant, period: Duration, failsafe: Duration) -> Option<ChipAction> {
+    /// What it shall do next.
+    fn need(&mut self, now: Instant, pace: &Pace) -> Option<ChipAction> {
         if self.quiet_since.is_some_and(|at| span(at, now) < PATIENCE) {
             return None;
         }
-        let compares = self.compares();
+        let (compares, closed) = self.comparison();
         // A chip that compares may rightly be silent, and is asked whether it still does.
         let heard = if compares { self.checked } else { self.seen };
+        let age = span(self.referred, now);
+        let interval = if closed { pace.reading } else { pace.period };
+        let refers = compares && self.ran && age >= interval;
+        // A heartbeat is a sample to learn from: behind a reference that is neither the same
+        // sample nor about to be replaced.
+        let tells = age >= pace.period && !(refers && age >= pace.failsafe);
         let need = if !self.is_as_wanted() {
-            self.wanted.action()
-        } else if span(heard, now) >= failsafe {
+            self.mode().action()
+        } else if span(heard, now) >= pace.failsafe && tells {
             ChipAction::Heartbeat
-        } else if self.rearm && compares && span(self.rearmed, now) >= period {
+        } else if refers {
             // A run that comes while this is under way asks for the next.
-            self.rearm = false;
-            ChipAction::Rearm
+            self.ran = false;
+            if closed {
+                ChipAction::Read
+            } else {
+                ChipAction::Rearm
+            }
         } else {
             return None;
         };
@@ -133,16 +151,27 @@ impl Chip {
         Some(need)
     }
 
-    fn compares(&self) -> bool {
-        self.programmed
-            .is_some_and(|(_, setting)| setting.compares())
+    /// Whether it compares, and with its highest threshold.
+    fn comparison(&self) -> (bool, bool) {
+        self.programmed.map_or((false, false), |(_, setting)| {
+            (setting.compares(), setting.is_closed())
+        })
+    }
+
+    /// What it shall interrupt for. One that delivers nothing shall tell its next sample.
+    fn mode(&self) -> Mode {
+        if self.delivers() {
+            self.wanted
+        } else {
+            Mode::DataReady
+        }
     }
 
     /// An order that was carried out is not given again, whatever the chip made of it.
     fn is_as_wanted(&self) -> bool {
-        self.programmed.is_some_and(|(ordered, setting)| {
-            ordered == self.wanted || self.wanted.is_served_by(setting)
-        })
+        let mode = self.mode();
+        self.programmed
+            .is_some_and(|(ordered, setting)| ordered == mode || mode.is_served_by(setting))
     }
 
     fn on_done(
@@ -165,8 +194,8 @@ impl Chip {
         let ordered = match action {
             ChipAction::DataReady => Mode::DataReady,
             ChipAction::Threshold(change) => Mode::Threshold(change),
-            ChipAction::Rearm => {
-                self.rearmed = at;
+            ChipAction::Rearm | ChipAction::Read => {
+                self.referred = at;
                 return;
             }
             ChipAction::Heartbeat => {
@@ -176,8 +205,18 @@ impl Chip {
         };
         self.programmed = Some((ordered, setting));
         self.checked = at;
-        self.rearm = setting.compares();
+        self.ran = setting.compares();
     }
+}
+
+/// How often a chip is asked for what.
+struct Pace {
+    /// The time between two of its samples: re-arming more often would change nothing.
+    period: Duration,
+    /// The time between two readings of a closed chip.
+    reading: Duration,
+    /// The longest time between two checks.
+    failsafe: Duration,
 }
 
 /// All of them, in the order of [`Input::OF_CHIPS`].
@@ -226,10 +265,10 @@ impl Chips {
         lost.fold(Inputs::ALL, |all, (input, _)| all.without(input))
     }
 
-    /// After a run the chips' references are old.
-    pub(super) fn on_run(&mut self) {
-        for chip in &mut self.chips {
-            chip.rearm = true;
+    /// After a run the references are old of chips that `matter`, and so is the field.
+    pub(super) fn on_run(&mut self, matter: bool) {
+        for (input, chip) in self.each() {
+            chip.ran |= matter || input == Input::ChipMag;
         }
     }
 
@@ -241,12 +280,9 @@ impl Chips {
     }
 
     /// The thresholds (in the inputs' units) to compare with, `None` where every sample is wanted.
-    ///
-    /// A chip that delivers nothing is not programmed to compare.
     pub(super) fn want(&mut self, threshold: impl Fn(Input) -> Option<f32>) {
         for (input, chip) in self.each() {
-            let threshold = threshold(input).filter(|_| chip.delivers());
-            chip.wanted = threshold.map_or(Mode::DataReady, Mode::Threshold);
+            chip.wanted = threshold(input).map_or(Mode::DataReady, Mode::Threshold);
         }
     }
 
@@ -254,7 +290,16 @@ impl Chips {
     pub(super) fn next_order(&mut self, now: Instant) -> Option<ChipOrder> {
         let failsafe = self.failsafe;
         self.each().find_map(|(input, chip)| {
-            let action = chip.need(now, of_input(input).period, failsafe)?;
+            let pace = Pace {
+                period: of_input(input).period,
+                reading: if input == Input::ChipMag {
+                    FIELD_INTERVAL
+                } else {
+                    failsafe
+                },
+                failsafe,
+            };
+            let action = chip.need(now, &pace)?;
             Some(ChipOrder { input, action })
         })
     }

@@ -7,7 +7,7 @@ use crate::control::Setpoint;
 use crate::graph::Cascade;
 use crate::link::{Answer, Message};
 use crate::math::Vec3;
-use crate::reactive::{Fit, Phase};
+use crate::reactive::{Fit, Refit};
 use crate::sensors::{Cause, GRAVITY, ImuReading, Input, Inputs};
 use crate::settings::{Policy, WarmUp};
 use crate::time::{at_micros, micros, span};
@@ -16,6 +16,7 @@ use crate::units::{BodyRates, SpecificForce, Thrust};
 use bench::{Bench, force, obeyed, turning};
 
 mod bench;
+mod chips;
 mod gaps;
 mod goals;
 mod supervision;
@@ -346,11 +347,13 @@ fn every_order_and_every_answer_survives_its_bytes() {
         ChipAction::Threshold(0.37),
         ChipAction::Rearm,
         ChipAction::Heartbeat,
+        ChipAction::Read,
     ];
     let answers = [
-        Ok(ChipSetting::EverySample { finest: 0.16 }),
+        Ok(ChipSetting::EverySample),
         Ok(ChipSetting::PastThreshold {
             level: 0.32,
+            from: f32::NEG_INFINITY,
             next: f32::INFINITY,
         }),
         Err(OrderError::Bus),
@@ -375,12 +378,13 @@ fn every_order_and_every_answer_survives_its_bytes() {
 
 #[test]
 fn a_setting_serves_the_thresholds_that_are_rounded_down_to_it() {
-    let every = ChipSetting::EverySample { finest: 0.2 };
+    let every = ChipSetting::EverySample;
     let past = ChipSetting::PastThreshold {
         level: 0.2,
+        from: 0.2,
         next: 0.4,
     };
-    assert!(every.serves(0.0) && every.serves(0.19) && !every.serves(0.2));
+    assert!(!every.serves(0.0) && !every.is_closed());
     assert!(past.serves(0.2) && past.serves(0.39) && !past.serves(0.4) && !past.serves(0.19));
-    assert!(!every.serves(f32::NAN) && !past.serves(f32::NAN));
+    assert!(!past.serves(f32::NAN) && !past.is_closed());
 }

@@ -109,12 +109,6 @@ impl Decision {
         self.p_run
     }
 
-    /// True where nothing calls for a run for want of a model.
-    #[must_use]
-    pub fn is_closed(&self) -> bool {
-        self.rest == Rest::Closed && self.model().is_none()
-    }
-
     /// True where there is something to decide by: a model, or a budget.
     #[must_use]
     pub fn is_ready(&self) -> bool {

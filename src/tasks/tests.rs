@@ -79,7 +79,7 @@ impl Chips for Played {
         }
         Ok(Obeyed {
             sample: None,
-            setting: ChipSetting::EverySample { finest: 0.1 },
+            setting: ChipSetting::EverySample,
         })
     }
 }

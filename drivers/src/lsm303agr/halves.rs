@@ -196,6 +196,13 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
             }
             (Half::Accel, ChipAction::Rearm) => return self.rearm_accel().map(Some),
             (Half::Mag, ChipAction::Rearm) => return self.rearm_mag().map(Some),
+            (Half::Accel, ChipAction::Read) => {
+                let counts = Accelerometer::new(&mut self.accel).read_sample()?;
+                return Ok(Some(accel_sample(counts, Cause::Rearm)));
+            }
+            (Half::Mag, ChipAction::Read) => {
+                return Ok(Some(mag_sample(self.read_mag()?, Cause::Rearm)));
+            }
             (Half::Accel, ChipAction::Heartbeat) => return self.accel_heartbeat().map(Some),
             (Half::Mag, ChipAction::Heartbeat) => return self.mag_heartbeat().map(Some),
         }

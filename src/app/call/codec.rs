@@ -112,18 +112,16 @@ impl<'b> Encoder<'b> {
             }
             ChipAction::Rearm => self.byte(2),
             ChipAction::Heartbeat => self.byte(3),
+            ChipAction::Read => self.byte(4),
         }
     }
 
     pub(super) fn result(&mut self, result: &Result<ChipSetting, OrderError>) {
         match *result {
-            Ok(ChipSetting::EverySample { finest }) => {
-                self.byte(0);
-                self.float(finest);
-            }
-            Ok(ChipSetting::PastThreshold { level, next }) => {
+            Ok(ChipSetting::EverySample) => self.byte(0),
+            Ok(ChipSetting::PastThreshold { level, from, next }) => {
                 self.byte(1);
-                self.floats([level, next]);
+                self.floats([level, from, next]);
             }
             Err(OrderError::Bus) => self.byte(2),
             Err(OrderError::Identity) => self.byte(3),
@@ -258,6 +256,7 @@ impl<'b> Decoder<'b> {
                 1 => ChipAction::Threshold(self.float()?),
                 2 => ChipAction::Rearm,
                 3 => ChipAction::Heartbeat,
+                4 => ChipAction::Read,
                 other => return Err(DecodeError::Unknown(other)),
             },
         })
@@ -265,11 +264,10 @@ impl<'b> Decoder<'b> {
 
     pub(super) fn result(&mut self) -> Result<Result<ChipSetting, OrderError>, DecodeError> {
         Ok(match self.byte()? {
-            0 => Ok(ChipSetting::EverySample {
-                finest: self.float()?,
-            }),
+            0 => Ok(ChipSetting::EverySample),
             1 => Ok(ChipSetting::PastThreshold {
                 level: self.float()?,
+                from: self.float()?,
                 next: self.float()?,
             }),
             2 => Err(OrderError::Bus),

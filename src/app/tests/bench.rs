@@ -36,10 +36,16 @@ pub fn obeyed(order: ChipOrder) -> ChipSetting {
             let steps = (change / STEP).floor();
             ChipSetting::PastThreshold {
                 level: steps * STEP,
+                from: steps * STEP,
                 next: (steps + 1.0) * STEP,
             }
         }
-        _ => ChipSetting::EverySample { finest: STEP },
+        ChipAction::Threshold(_) => ChipSetting::PastThreshold {
+            level: STEP,
+            from: f32::NEG_INFINITY,
+            next: 2.0 * STEP,
+        },
+        _ => ChipSetting::EverySample,
     }
 }
 

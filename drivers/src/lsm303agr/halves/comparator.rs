@@ -13,6 +13,9 @@ use crate::threshold::round_down;
 /// Share of its time constant for which the high-pass filter may forget without a lower code.
 const FORGOTTEN: f32 = 0.2;
 
+/// The code of the finest threshold: code 0 would fire at every sample.
+const FINEST: u16 = 1;
+
 /// Codes of a comparator and the changes that they stand for.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Comparator {
@@ -47,20 +50,23 @@ impl Comparator {
         }
     }
 
-    /// The code that a threshold is rounded down to, at most the largest; 0 where it is finer than
-    /// one code, or not a number.
+    /// The code that a threshold is rounded down to, at most the largest; the finest for one that is
+    /// finer still, or not a number.
     pub(super) fn code(&self, threshold: f32) -> u16 {
-        round_down(threshold, self.largest, |code| self.change(code)).unwrap_or(0)
+        round_down(threshold, self.largest, |code| self.change(code)).unwrap_or(FINEST)
     }
 
     /// What a half interrupts for under a code; 0 for every sample.
     pub(super) fn setting(&self, code: u16) -> ChipSetting {
         match code {
-            0 => ChipSetting::EverySample {
-                finest: self.change(1),
-            },
+            0 => ChipSetting::EverySample,
             code => ChipSetting::PastThreshold {
                 level: self.change(code),
+                from: if code > FINEST {
+                    self.change(code)
+                } else {
+                    f32::NEG_INFINITY
+                },
                 next: if code < self.largest {
                     self.change(code + 1)
                 } else {
@@ -92,11 +98,14 @@ mod tests {
     fn a_setting_serves_the_thresholds_that_are_rounded_down_to_its_code_and_no_others() {
         for comparator in comparators() {
             for code in 1..=comparator.largest {
-                let ChipSetting::PastThreshold { level, next } = comparator.setting(code) else {
+                let ChipSetting::PastThreshold { level, from, next } = comparator.setting(code)
+                else {
                     panic!("code {code} compares");
                 };
                 assert_eq!(comparator.code(level), code);
-                assert_eq!(comparator.code(level.next_down()), code - 1);
+                if code > FINEST {
+                    assert_eq!((from, comparator.code(from.next_down())), (level, code - 1));
+                }
                 if code < comparator.largest {
                     assert_eq!(comparator.code(next.next_down()), code);
                     assert_eq!(comparator.code(next), code + 1);
@@ -108,15 +117,15 @@ mod tests {
     }
 
     #[test]
-    fn what_is_finer_than_one_code_is_served_by_every_sample() {
+    fn what_is_finer_than_one_code_is_served_by_the_finest() {
         for comparator in comparators() {
-            let ChipSetting::EverySample { finest } = comparator.setting(0) else {
-                panic!("code 0 does not compare");
-            };
-            assert_eq!(comparator.code(finest), 1);
-            for finer in [finest.next_down(), 0.0, -1.0, f32::NAN] {
-                assert_eq!(comparator.code(finer), 0);
+            let finest = comparator.setting(FINEST);
+            for finer in [comparator.change(FINEST).next_down(), 0.0, -1.0] {
+                assert_eq!(comparator.code(finer), FINEST);
+                assert!(finest.serves(finer), "{finer}");
             }
+            assert_eq!(comparator.code(f32::NAN), FINEST);
+            assert!(!comparator.setting(0).serves(0.0), "every sample");
         }
     }
 

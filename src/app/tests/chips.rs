@@ -1,0 +1,113 @@
+//! Orders to the chips: who is re-armed, who is read, and how often.
+
+use super::*;
+
+/// Orders of the chips within a time, each carried out at once.
+fn orders(bench: &mut Bench, milliseconds: u64) -> Vec<ChipOrder> {
+    let mut given = Vec::new();
+    for _ in 0..milliseconds {
+        bench.milliseconds(1, gusty);
+        let now = at_micros(bench.now);
+        while let Some(order) = bench.autopilot.next_order() {
+            given.push(order);
+            let field = Vec3::new(0.2, 0.0, 0.4 + bench.now as f32 * 1e-9);
+            let cause = match order.action {
+                ChipAction::Rearm | ChipAction::Read => Cause::Rearm,
+                _ => Cause::Heartbeat,
+            };
+            let sample = ChipSample {
+                input: order.input,
+                axes: field,
+                cause,
+            };
+            let _ = bench.autopilot.on_chip(now, &sample);
+            let setting = obeyed(order);
+            bench.autopilot.on_order_done(now, order, Ok(setting));
+        }
+    }
+    given
+}
+
+fn count(orders: &[ChipOrder], input: Input, of: fn(ChipAction) -> bool) -> usize {
+    let is = |order: &&ChipOrder| order.input == input && of(order.action);
+    orders.iter().filter(is).count()
+}
+
+/// A bench whose accelerometer chip has a model with this threshold, and whose chips obey.
+fn with_threshold(change: f32) -> Bench {
+    let mut bench = Bench::armed(short_warm_up());
+    orders(&mut bench, 5_000);
+    assert_eq!(bench.phase(), Phase::Reactive);
+    let b1 = SETTINGS.p_run.ln() - (1.0 - SETTINGS.p_run).ln() - 10.0 * change;
+    let fit = Fit::Model(crate::reactive::Logistic { b1, b2: 10.0 });
+    let refit = Refit {
+        input: Input::ChipAccel,
+        fit,
+    };
+    bench.autopilot.on_refit(at_micros(bench.now), refit);
+    orders(&mut bench, 150);
+    bench
+}
+
+#[test]
+fn a_closed_chip_is_not_rearmed_and_read_only_before_its_heartbeat() {
+    let mut bench = Bench::armed(short_warm_up());
+    orders(&mut bench, 5_000);
+    let given = orders(&mut bench, 2_000);
+    let rearm = |action| action == ChipAction::Rearm;
+    assert_eq!(count(&given, Input::ChipAccel, rearm), 0);
+    let read = |action| action == ChipAction::Read;
+    let reads = count(&given, Input::ChipAccel, read);
+    assert!((10..=20).contains(&reads), "{reads} in two seconds");
+}
+
+#[test]
+fn an_open_chip_is_rearmed_at_runs_and_no_more_often_than_it_samples() {
+    let mut bench = with_threshold(1.0);
+    let runs = bench.outputs.len();
+    let given = orders(&mut bench, 200);
+    let runs = bench.outputs.len() - runs;
+    let rearms = count(&given, Input::ChipAccel, |action| {
+        action == ChipAction::Rearm
+    });
+    assert!(
+        (1..=20.min(runs)).contains(&rearms),
+        "{rearms} at {runs} runs"
+    );
+}
+
+#[test]
+fn a_threshold_finer_than_a_code_holds_the_finest_and_not_data_ready() {
+    let mut bench = with_threshold(0.001);
+    let given = orders(&mut bench, 10);
+    let every = |action| action == ChipAction::DataReady;
+    assert_eq!(count(&given, Input::ChipAccel, every), 0);
+    let told = bench.autopilot.recorder().iter().rev().find_map(|stamped| {
+        let Call::OrderDone(order, Ok(setting)) = stamped.call else {
+            return None;
+        };
+        let programs = matches!(order.action, ChipAction::Threshold(_));
+        (order.input == Input::ChipAccel && programs).then_some(setting)
+    });
+    assert!(
+        told.is_some_and(|setting| setting.serves(0.001)),
+        "{told:?}"
+    );
+}
+
+#[test]
+fn periodic_control_reads_the_magnetometer_for_the_estimator_and_the_other_chip_not_at_all() {
+    let mut bench = Bench::armed(Settings {
+        policy: Policy::Periodic,
+        period: micros(2_500),
+        ..SETTINGS
+    });
+    orders(&mut bench, 500);
+    let given = orders(&mut bench, 1_000);
+    let reads = count(&given, Input::ChipMag, |action| action == ChipAction::Read);
+    assert!((40..=50).contains(&reads), "{reads} in a second");
+    let others = |action| !matches!(action, ChipAction::Read | ChipAction::Heartbeat);
+    assert_eq!(count(&given, Input::ChipMag, others), 0);
+    let but_heartbeats = |action| action != ChipAction::Heartbeat;
+    assert_eq!(count(&given, Input::ChipAccel, but_heartbeats), 0);
+}
