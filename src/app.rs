@@ -325,6 +325,12 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         self.reactive.take_sample(at, sample, command, tell)
     }
 
+    /// True where a chip is to be asked though nothing else raises its owner.
+    #[must_use]
+    pub fn are_chips_due(&self, now: Instant) -> bool {
+        self.chips.are_due(now)
+    }
+
     /// The next order for a chip, where one is due; the board reports when it is done.
     pub fn next_order(&mut self) -> Option<ChipOrder> {
         self.chips.next_order(self.record.clock())

@@ -36,12 +36,13 @@ mod sample;
 mod schedule;
 mod setpoints;
 mod shadow_holds;
+mod shadow_runs;
 mod supervisor;
 mod watch;
 
 pub use decision::{Decision, Rest};
 pub use exploration::Exploration;
-pub use fit::{Fit, Refit, RefitJob};
+pub use fit::{EVIDENCE, Fit, Refit, RefitJob};
 pub use labels::{BIN_COUNT, Label, Labels};
 pub use learners::changes_of;
 pub use limits::Limits;
@@ -221,7 +222,7 @@ impl Reactive {
         mut tell: impl FnMut(Input, &Label),
     ) -> Option<bool> {
         let owed = *self.prediction.predict(motion);
-        self.spend(now, &owed, &mut tell)
+        self.spend(now, &owed, motion, &mut tell)
     }
 
     /// Takes the command that a run would compute now, beside the one that is held; says what
@@ -241,7 +242,7 @@ impl Reactive {
             return None;
         }
         let owed = *self.prediction.foresee(command, held, motion);
-        self.spend(now, &owed, &mut tell)
+        self.spend(now, &owed, motion, &mut tell)
     }
 
     /// Asks for a run where more is owed than the budget.
@@ -249,6 +250,7 @@ impl Reactive {
         &mut self,
         now: Instant,
         owed: &Impulse,
+        motion: &Motion,
         tell: &mut dyn FnMut(Input, &Label),
     ) -> Option<bool> {
         let size = owed.size();
@@ -256,6 +258,10 @@ impl Reactive {
             self.schedule.ask(Input::Owed);
         }
         self.rests = size < self.threshold(Input::Owed) / 2.0;
+        if self.learners.are_shadow_runs_due(now) {
+            let off = self.prediction.off(motion);
+            self.learners.foresee(now, owed, off, tell);
+        }
         let verdict = self.judgement.settle(now, owed)?;
         Some(self.heed(&verdict, tell))
     }
@@ -279,7 +285,7 @@ impl Reactive {
     ) -> Next {
         let ChipSample { input, axes, cause } = *sample;
         if cause == Cause::Rearm {
-            self.learners.rearm(input, axes);
+            self.learners.refer(at, input, axes);
             return Next::Wait;
         }
         let crossed = self.learners.calls(input, axes);
@@ -287,8 +293,13 @@ impl Reactive {
         if crossed || cause == Cause::Threshold && self.learners.lesson(input).triggers {
             self.schedule.ask(input);
         }
-        if self.supervisor.is_learning() {
+        let learning = self.supervisor.is_learning();
+        if learning && !self.counts_impulses() {
             self.learners.hold(at, input, command, tell);
+        } else if learning
+            || self.phase() == Phase::Reactive && self.learners.learns_from_samples(input)
+        {
+            self.learners.imagine_run(at, input);
         }
         if GATES.contains(input) {
             self.end_hyperperiod(at, Inputs::NONE.with(input))
@@ -406,7 +417,13 @@ impl Reactive {
         let axes = self.prediction.axes();
         let gain = (self.counts_impulses()).then(|| axes.between(run.before, run.applied));
         match gain {
-            Some(gain) => judged.last = self.settle_last(run.at, gain, &mut tell),
+            Some(gain) => {
+                judged.last = self.settle_last(run.at, gain, &mut tell);
+                if self.phase() == Phase::Reactive {
+                    let owed = self.prediction.owed();
+                    self.learners.go_on(run.at, owed, gain, run.applied);
+                }
+            }
             None => judged.changed = Some(self.judgement.is_changed(run.before, run.applied)),
         }
         // Without new motion a command cannot change, which teaches nothing about sensors; and
@@ -530,6 +547,7 @@ impl Reactive {
             (span(lesson.refitted, now) >= REFIT_INTERVAL).then_some(RefitJob {
                 input,
                 leads: self.learners.stands_alone(input),
+                evidence: self.learners.evidence_of(input),
                 labels: lesson.labels,
             })
         })

@@ -135,6 +135,7 @@ fn refit(shares: &Shares) -> u32 {
     let job = RefitJob {
         input: Input::Gyro,
         leads: true,
+        evidence: reflex::reactive::EVIDENCE,
         labels: shares.labels(),
     };
     let job = black_box(&job);

@@ -124,8 +124,6 @@ impl Chip {
             return None;
         }
         let (compares, closed) = self.comparison();
-        // A chip that compares may rightly be silent, and is asked whether it still does.
-        let heard = if compares { self.checked } else { self.seen };
         let age = span(self.referred, now);
         let interval = if closed { pace.reading } else { pace.period };
         let refers = compares && self.ran && age >= interval;
@@ -134,7 +132,7 @@ impl Chip {
         let tells = age >= pace.period && !(refers && age >= pace.failsafe);
         let need = if !self.is_as_wanted() {
             self.mode().action()
-        } else if span(heard, now) >= pace.failsafe && tells {
+        } else if span(self.heard(), now) >= pace.failsafe && tells {
             ChipAction::Heartbeat
         } else if refers {
             // A run that comes while this is under way asks for the next.
@@ -149,6 +147,15 @@ impl Chip {
         };
         self.quiet_since = Some(now);
         Some(need)
+    }
+
+    /// A chip that compares may rightly be silent, and is asked whether it still does.
+    fn heard(&self) -> Instant {
+        if self.comparison().0 {
+            self.checked
+        } else {
+            self.seen
+        }
     }
 
     /// Whether it compares, and with its highest threshold.
@@ -224,6 +231,8 @@ struct Pace {
 pub(super) struct Chips {
     chips: [Chip; Input::OF_CHIPS.len()],
     failsafe: Duration,
+    /// When an order is due that no run, interrupt or timer leads to.
+    due: Instant,
 }
 
 impl Chips {
@@ -231,6 +240,7 @@ impl Chips {
         Self {
             chips: Default::default(),
             failsafe: settings.failsafe,
+            due: Instant::from_ticks(0),
         }
     }
 
@@ -286,10 +296,15 @@ impl Chips {
         }
     }
 
+    /// True where the owner of the chips is to be raised: a heartbeat is due.
+    pub(super) fn are_due(&self, now: Instant) -> bool {
+        now >= self.due
+    }
+
     /// The next order, where one is due.
     pub(super) fn next_order(&mut self, now: Instant) -> Option<ChipOrder> {
         let failsafe = self.failsafe;
-        self.each().find_map(|(input, chip)| {
+        let order = self.each().find_map(|(input, chip)| {
             let pace = Pace {
                 period: of_input(input).period,
                 reading: if input == Input::ChipMag {
@@ -301,7 +316,14 @@ impl Chips {
             };
             let action = chip.need(now, &pace)?;
             Some(ChipOrder { input, action })
-        })
+        });
+        let heartbeats = self.each().map(|(input, chip)| {
+            let told = chip.referred + of_input(input).period;
+            let heard = chip.heard() + failsafe;
+            chip.quiet_since.map_or(told.max(heard), |at| at + PATIENCE)
+        });
+        self.due = heartbeats.min().unwrap_or(now);
+        order
     }
 
     /// An order was carried out, or failed; how often that chip failed so far.

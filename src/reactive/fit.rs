@@ -42,8 +42,11 @@ impl Fit {
 pub struct RefitJob {
     /// Whose labels.
     pub input: Input,
-    /// The others are judged against this one: it is never irrelevant.
+    /// It is judged by itself, and so never irrelevant: the others are judged against it, or it is a
+    /// second opinion.
     pub leads: bool,
+    /// Twice the log-likelihood that a slope must gain over a constant to be believed.
+    pub evidence: f32,
     /// The labels.
     pub labels: Labels,
 }
@@ -64,7 +67,7 @@ impl RefitJob {
     pub fn fit(&self) -> Refit {
         let mut labels = self.labels;
         labels.settle();
-        let fit = match fit(&labels) {
+        let fit = match fit(&labels, self.evidence) {
             Fit::Irrelevant if self.leads => Fit::Unfit,
             fit => fit,
         };
@@ -75,10 +78,9 @@ impl RefitJob {
     }
 }
 
-/// Twice the log-likelihood that a slope must gain over a constant to be believed.
-///
-/// The 0.1 % point of the chi-square distribution of one degree of freedom.
-const EVIDENCE: f32 = 10.83;
+/// The evidence that an input needs to trigger beside another: the 0.1 % point of the chi-square
+/// distribution of one degree of freedom.
+pub const EVIDENCE: f32 = 10.83;
 
 /// Most Newton steps; near its end, where they converge quadratically, a fit takes six.
 ///
@@ -91,7 +93,7 @@ const WORTHWHILE: f32 = 1e-3;
 /// Labels after which an input that never varies, or never told of a change, is done with.
 const ENOUGH: f32 = 200.0;
 
-fn fit(labels: &Labels) -> Fit {
+fn fit(labels: &Labels, evidence: f32) -> Fit {
     const NEEDED: f32 = LABELS_OF_EACH_CLASS as f32;
     let varies = labels.bins().count() >= 2;
     if labels.with_overtaken() >= ENOUGH && !(varies && labels.of_changed() >= NEEDED) {
@@ -106,7 +108,7 @@ fn fit(labels: &Labels) -> Fit {
     // Each step looks at all of them: worth their room on the stack.
     let points: Points = labels.points().collect();
     let model = most_likely(&points, start);
-    judge(labels, model, likelihood(&points, model))
+    judge(labels, model, likelihood(&points, model), evidence)
 }
 
 /// All labels as points.
@@ -139,7 +141,7 @@ fn most_likely(points: &Points, start: Logistic) -> Logistic {
     best.model
 }
 
-fn judge(labels: &Labels, model: Logistic, likelihood: f32) -> Fit {
+fn judge(labels: &Labels, model: Logistic, likelihood: f32, evidence: f32) -> Fit {
     if !(model.b1.is_finite() && model.b2.is_finite()) {
         return Fit::Unfit;
     }
@@ -149,7 +151,7 @@ fn judge(labels: &Labels, model: Logistic, likelihood: f32) -> Fit {
     let (changed, all) = (labels.of_changed(), labels.total());
     let constant =
         changed * libm::logf(changed / all) + (all - changed) * libm::logf((all - changed) / all);
-    if 2.0 * (likelihood - constant) < EVIDENCE {
+    if 2.0 * (likelihood - constant) < evidence {
         return Fit::Irrelevant;
     }
     Fit::Model(no_steeper_than_a_bin(labels, model))
@@ -316,7 +318,7 @@ mod tests {
         ) {
             let truth = Logistic { b1, b2: (0.405 - b1) / crossing };
             let labels = labelled(truth, (1..400).map(|i| i as f32 * 0.004));
-            let Fit::Model(found) = fit(&labels) else {
+            let Fit::Model(found) = fit(&labels, EVIDENCE) else {
                 return Err(TestCaseError::fail("no model"));
             };
             let at = truth.probability(found.crossing(0.6));
@@ -331,7 +333,7 @@ mod tests {
             for (x, changed, weight) in labels {
                 all.add(&label(x, changed, weight));
             }
-            if let Fit::Model(model) = fit(&all) {
+            if let Fit::Model(model) = fit(&all, EVIDENCE) {
                 prop_assert!(model.b1.is_finite() && model.b2.is_finite() && model.b2 > 0.0);
             }
         }
@@ -343,7 +345,7 @@ mod tests {
         for i in 0..1000 {
             labels.add(&label(i as f32 * 0.001, i % 40 != 0, 1.0));
         }
-        assert_eq!(fit(&labels), Fit::Unfit);
+        assert_eq!(fit(&labels, EVIDENCE), Fit::Unfit);
     }
 
     #[test]
@@ -356,6 +358,7 @@ mod tests {
             let job = RefitJob {
                 input: Input::Gyro,
                 leads,
+                evidence: EVIDENCE,
                 labels,
             };
             job.fit().fit
@@ -370,7 +373,7 @@ mod tests {
         for i in 0..1000 {
             labels.add(&label(i as f32 * 0.001, i % 100 == 0, 1.0));
         }
-        assert_eq!(fit(&labels), Fit::Irrelevant);
+        assert_eq!(fit(&labels, EVIDENCE), Fit::Irrelevant);
     }
 
     #[test]
@@ -379,7 +382,7 @@ mod tests {
         for i in 0..1000 {
             labels.add(&label(0.0, i % 3 == 0, 1.0));
         }
-        assert_eq!(fit(&labels), Fit::Irrelevant);
+        assert_eq!(fit(&labels, EVIDENCE), Fit::Irrelevant);
     }
 
     #[test]
@@ -388,7 +391,7 @@ mod tests {
         for i in 0..1000 {
             labels.add(&label(i as f32 * 0.001, i >= 500, 1.0));
         }
-        let Fit::Model(model) = fit(&labels) else {
+        let Fit::Model(model) = fit(&labels, EVIDENCE) else {
             panic!("no model");
         };
         let crossing = model.crossing(0.6);

@@ -15,13 +15,14 @@ pub use learner::changes_of;
 use learner::{Learner, Showing};
 
 use super::outcome::Teaching;
-use super::owed::{Budget, Course};
-use super::{Commanded, Label, Lead, Rest, Rule};
+use super::owed::{Budget, Course, Impulse, OfAxes};
+use super::shadow_runs::ShadowRuns;
+use super::{Commanded, EVIDENCE, Label, Lead, Rest, Rule, Sample};
 use crate::airframe::{Axes, MotorShares};
 use crate::math::Vec3;
 use crate::sensors::{Input, Inputs};
-use crate::settings::{Pairs, Reference, Settings};
-use crate::time::Instant;
+use crate::settings::{Feedback, Pairs, Reference, Settings};
+use crate::time::{Instant, span};
 
 /// One learner per input.
 #[derive(Clone, Debug)]
@@ -31,8 +32,12 @@ pub(super) struct Learners {
     command: Learner<MotorShares>,
     owed: Learner<Course>,
     lead: Input,
-    /// The way of the command while learning, where it leads over time.
+    /// The way of the command, where it leads over time.
     course: Option<Course>,
+    /// The run that the budget would have called for last in the warm-up, which runs more often.
+    budgeted: Option<Course>,
+    shadow_runs: ShadowRuns,
+    feedback: Feedback,
     axes: Axes,
     rule: Rule,
     /// Angle turned in earlier runs, which the shadow holds look back to.
@@ -62,6 +67,9 @@ impl Learners {
             owed: Learner::new(Input::Owed, settings, Rest::Budget(budget.most)),
             lead,
             course: None,
+            budgeted: None,
+            shadow_runs: ShadowRuns::new(),
+            feedback: settings.feedback,
             axes,
             rule: Rule {
                 reference: settings.reference,
@@ -124,6 +132,12 @@ impl Learners {
         }
     }
 
+    /// A chip took its reference.
+    pub(super) fn refer(&mut self, at: Instant, input: Input, sample: Vec3) {
+        self.rearm(input, sample);
+        self.shadow_runs.refer(at, input);
+    }
+
     /// The learner of an input with three axes; `None` for others.
     fn of_axes(&mut self, input: Input) -> Option<&mut Learner> {
         self.of_axes.get_mut(input as usize)
@@ -171,12 +185,12 @@ impl Learners {
         mut tell: impl FnMut(Input, &Label),
     ) {
         if self.lead == Input::Owed {
-            let still = MotorShares::all(0.0, command.len());
-            let command = self.axes.between(&still, command);
-            match &mut self.course {
-                Some(course) => course.go_on(now, command),
-                None => self.course = Some(Course::begun(now, command)),
-            }
+            let of_axes = self.of_command(command);
+            let course = self.course.get_or_insert(Course::begun(now, of_axes));
+            course.go_on(now, of_axes);
+            let course = *course;
+            self.follow(&course, &mut tell);
+            self.budget(&course);
         }
         for input in Inputs::OF_IMU.iter() {
             self.hold(now, input, command, &mut tell);
@@ -217,6 +231,97 @@ impl Learners {
         }
     }
 
+    /// A command about the axes.
+    fn of_command(&self, command: &MotorShares) -> OfAxes {
+        let still = MotorShares::all(0.0, command.len());
+        self.axes.between(&still, command)
+    }
+
+    /// In the warm-up chips meet the holds of the budget, not those of the many runs.
+    fn budget(&mut self, course: &Course) {
+        let (most, failsafe) = (self.owed.lesson.decision.threshold(), self.rule.failsafe);
+        let lasts = |since: &Course| {
+            course.change_since(since) <= most && span(since.at(), course.at()) < failsafe
+        };
+        if self.budgeted.as_ref().is_some_and(lasts) {
+            return;
+        }
+        self.budgeted = Some(*course);
+        for input in Input::OF_CHIPS {
+            if let Some(learner) = self.of_axes(input) {
+                learner.watch.on_run();
+            }
+            self.shadow_runs.refer(course.at(), input);
+        }
+    }
+
+    /// A chip sampled: what would a run now repay?
+    pub(super) fn imagine_run(&mut self, at: Instant, input: Input) {
+        let lesson = self.lesson(input);
+        // In the warm-up that of the budget's last run.
+        let in_force = self.budgeted.or(self.course);
+        if let (true, Some(x), Some(run)) = (lesson.triggers, lesson.decision.change(), in_force) {
+            self.shadow_runs.sample(at, input, x, &run);
+        }
+    }
+
+    /// True where a run that is imagined has something to learn from the command now.
+    pub(super) fn are_shadow_runs_due(&self, now: Instant) -> bool {
+        self.shadow_runs.are_due(now)
+    }
+
+    /// The command is `off` from the held one, which owes so much: what imagined runs learn from it.
+    pub(super) fn foresee(
+        &mut self,
+        now: Instant,
+        owed: &Impulse,
+        off: OfAxes,
+        tell: &mut dyn FnMut(Input, &Label),
+    ) {
+        if let Some(mut course) = self.course {
+            course.spend(now, owed, off);
+            self.follow(&course, tell);
+        }
+    }
+
+    /// A run moved the command by `gain`, to the one that is applied; the one before owed so much.
+    pub(super) fn go_on(
+        &mut self,
+        now: Instant,
+        owed: &Impulse,
+        gain: OfAxes,
+        applied: &MotorShares,
+    ) {
+        let under_way = self.shadow_runs.are_under_way();
+        match &mut self.course {
+            None => self.course = Some(Course::begun(now, self.of_command(applied))),
+            Some(course) => {
+                course.spend(now, owed, gain);
+                if !under_way {
+                    course.sum_anew();
+                }
+            }
+        }
+    }
+
+    /// Not inlined: it is rare, and in several places.
+    #[inline(never)]
+    fn follow(&mut self, course: &Course, tell: &mut dyn FnMut(Input, &Label)) {
+        let worth = self.rule.counts;
+        let learners = &mut self.of_axes;
+        self.shadow_runs.follow(course, worth, |input, label| {
+            if let Some(learner) = learners.get_mut(input as usize) {
+                learner.lesson.labels.add(&label);
+                tell(input, &label);
+            }
+        });
+    }
+
+    /// True where every sample of an input is a label, so that a run adds none.
+    pub(super) fn learns_from_samples(&self, input: Input) -> bool {
+        self.stands_alone(input) && input != self.lead && self.feedback == Feedback::Every
+    }
+
     /// Adds the labels of a run, or of the last one where they come `late`.
     #[inline(never)]
     pub(super) fn teach(
@@ -227,6 +332,7 @@ impl Learners {
     ) {
         for input in Input::ALL {
             if teaching.inputs.contains(input)
+                && !self.learns_from_samples(input)
                 && let Some(label) =
                     self.lesson_mut(input)
                         .label(teaching.changed, teaching.weight, late)
@@ -311,6 +417,16 @@ impl Learners {
         input == self.lead || chips
     }
 
+    /// The evidence that an input's slope needs. A second opinion needs none: where its labels say
+    /// little the slope is flat, and the threshold beyond what is met.
+    pub(super) fn evidence_of(&self, input: Input) -> f32 {
+        if self.stands_alone(input) && input != self.lead {
+            0.0
+        } else {
+            EVIDENCE
+        }
+    }
+
     /// True once for an input whose shadow holds start anew.
     fn takes_stale(&mut self, input: Input) -> bool {
         let stale = self.stale_holds.contains(input);
@@ -321,6 +437,8 @@ impl Learners {
     pub(super) fn restart_holds(&mut self) {
         self.stale_holds = Inputs::ALL;
         self.course = None;
+        self.budgeted = None;
+        self.shadow_runs.restart();
         // Sums of a whole flight would lose the small angles that a hold turns by.
         self.turned_before = Vec3::ZERO;
         self.rearm(Input::Turned, Vec3::ZERO);
@@ -348,8 +466,13 @@ impl Learners {
     /// `turned` is the angle that the run took, `learning` whether shadow holds look further
     /// back than to this run.
     pub(super) fn on_run(&mut self, turned: Vec3, learning: bool, command: &MotorShares) {
-        for learner in &mut self.of_axes {
-            learner.on_run();
+        for input in Input::OF_AXES {
+            // What stands alone is measured from the reference that its chip took.
+            if (input == self.lead || !self.stands_alone(input))
+                && let Some(learner) = self.of_axes(input)
+            {
+                learner.on_run();
+            }
         }
         self.command.on_run();
         self.owed.on_run();

@@ -118,6 +118,31 @@ impl Course {
         done.then(|| owed_by(replaced) - owed_by(run.command))
     }
 
+    /// When it was last gone on.
+    pub(super) fn at(&self) -> Instant {
+        self.at
+    }
+
+    /// With its command in force until then; the same where that is over.
+    pub(super) fn held_until(mut self, at: Instant) -> Self {
+        self.go_on(at.max(self.at), self.command);
+        self
+    }
+
+    /// Goes on to a command that is `off` from its own, which was held since, and owes so much.
+    pub(super) fn spend(&mut self, at: Instant, owed: &Impulse, off: OfAxes) {
+        self.go_on(at, self.command);
+        self.sum = owed.grown(self.sum.0, 1.0);
+        for (command, off) in self.command.iter_mut().zip(off) {
+            *command += off;
+        }
+    }
+
+    /// Sums anew from here on.
+    pub(super) fn sum_anew(&mut self) {
+        self.sum = Impulse::default();
+    }
+
     /// The command at its end.
     pub(super) fn command(&self) -> OfAxes {
         self.command

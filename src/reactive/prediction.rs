@@ -66,6 +66,8 @@ pub struct Prediction {
     form: Form,
     /// What is owed as of the last sample.
     owed: Impulse,
+    /// By how much the command that was foreseen last is off from the held one.
+    foreseen_off: OfAxes,
     /// The time (s) since the last run that `owed` covers, where it is summed.
     covered: f32,
     /// Commands are foreseen exactly until the next run.
@@ -88,6 +90,7 @@ impl Prediction {
             command: MotorShares::all(0.0, motors),
             form: Form::of(&slopes, &still, &OfAxes::default(), &Impulse::default()),
             owed: Impulse::default(),
+            foreseen_off: OfAxes::default(),
             covered: 0.0,
             exact: true,
         }
@@ -111,6 +114,16 @@ impl Prediction {
         &self.owed
     }
 
+    /// By how much the command is off from the held one after this motion, which was shown.
+    #[must_use]
+    pub fn off(&self, motion: &Motion) -> OfAxes {
+        if self.exact {
+            self.foreseen_off
+        } else {
+            self.form.off(motion)
+        }
+    }
+
     /// What is owed after this motion since the last run, by prediction.
     pub fn predict(&mut self, motion: &Motion) -> &Impulse {
         self.owed = self.form.impulse(motion);
@@ -126,6 +139,7 @@ impl Prediction {
     ) -> &Impulse {
         let off = self.axes.between(held, command);
         self.owed = self.owed.grown(off, motion.sums.dt - self.covered);
+        self.foreseen_off = off;
         self.covered = motion.sums.dt;
         &self.owed
     }

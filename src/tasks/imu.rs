@@ -72,8 +72,12 @@ pub fn received<I: Imu, R: Recorder, L: ControlLogic>(
     match report {
         Report::Burst(at, burst) => match I::reading(burst) {
             Some(reading) => {
-                let next = pilot.lock(|pilot| pilot.on_imu(*at, &reading));
+                let (next, chips) =
+                    pilot.lock(|pilot| (pilot.on_imu(*at, &reading), pilot.are_chips_due(*at)));
                 follow(board, next);
+                if chips {
+                    board.raise(Task::Chips);
+                }
             }
             None => pilot.lock(|pilot| pilot.on_fault(*at, Fault::ImuStale)),
         },

@@ -51,6 +51,7 @@ impl School {
             RefitJob {
                 input,
                 leads,
+                evidence: EVIDENCE,
                 labels,
             }
             .fit()

@@ -111,6 +111,13 @@ impl Form {
         Impulse(self.slopes.on(&start, &summed))
     }
 
+    /// By how much the command is off from the held one after a motion: what the impulse grows by.
+    pub(super) fn off(&self, motion: &Motion) -> OfAxes {
+        let Motion { sums, rotation } = motion;
+        let features = features(rotation.rates.0, rotation.acceleration, sums.angle, sums.dt);
+        self.slopes.on(&self.time, &features)
+    }
+
     /// The command jumps by so much, this long (s) after the rotation.
     pub(super) fn jump(&mut self, by: &OfAxes, at: f32) {
         add_product(&mut self.time, by, 1.0);
@@ -187,6 +194,9 @@ mod tests {
                 let dt = motion.sums.dt - last;
                 last = motion.sums.dt;
                 let change = slopes.change(&since, &motion);
+                for (off, (first, change)) in form.off(&motion).into_iter().zip(off.iter().zip(change)) {
+                    prop_assert!((off - (first + change)).abs() < 2e-3);
+                }
                 for (sum, (off, change)) in summed.iter_mut().zip(off.iter().zip(change)) {
                     *sum += f64::from((off + change) * dt);
                 }
