@@ -68,7 +68,7 @@ use crate::time::{Instant, span};
 use hyperperiod::GATES;
 use judgement::{Judgement, Verdict};
 use learners::Learners;
-use owed::Budget;
+use owed::{Budget, Looks};
 use schedule::Schedule;
 use setpoints::SetpointQuanta;
 
@@ -81,8 +81,9 @@ pub struct Reactive {
     supervisor: Supervisor,
     judgement: Judgement,
     prediction: Prediction,
-    /// So little was owed that the next sample is not looked at.
-    rests: bool,
+    looks: Looks,
+    /// A sample of the inertial sensor may call for a run, by the models as they are.
+    watches_motion: bool,
     /// The control logic took motion that no run has taught by yet.
     advanced: bool,
     /// Models were swapped in that no run has reviewed yet.
@@ -155,7 +156,8 @@ impl Reactive {
             supervisor: Supervisor::new(settings.policy, settings.warm_up),
             judgement: Judgement::new(settings, worth),
             prediction: Prediction::new(axes, logic.mixer().motors(), logic.derivative_cutoff()),
-            rests: false,
+            looks: Looks::default(),
+            watches_motion: false,
             advanced: false,
             unreviewed: false,
             next_refit: Instant::from_ticks(0),
@@ -168,7 +170,12 @@ impl Reactive {
     /// compared at runs only, which teach by it.
     #[must_use]
     pub fn watches_motion(&self) -> bool {
-        self.learns() && self.learners.motion_may_call()
+        self.watches_motion
+    }
+
+    /// Models or the phase are new. Not worked out anew at every sample.
+    fn renew_watch(&mut self) {
+        self.watches_motion = self.learns() && self.learners.motion_may_call();
     }
 
     /// Takes what a filtered sample of the gyroscope and of the accelerometer beside it (m/s2) says.
@@ -192,9 +199,7 @@ impl Reactive {
 
     /// What is wanted of the command that a run would compute.
     ///
-    /// Time-triggered control need not foresee what it computes anyway. A prediction loses nothing by
-    /// a sample that is not looked at, since sums say what is owed; the run is only seen to be due a
-    /// sample later, where half the budget is used up within one.
+    /// Time-triggered control need not foresee what it computes anyway.
     #[must_use]
     pub fn foresight(&mut self) -> Foresight {
         let triggers = |input| self.learners.lesson(input).triggers;
@@ -206,10 +211,10 @@ impl Reactive {
             Foresight::None
         } else if self.prediction.is_exact() {
             Foresight::Exact
-        } else if core::mem::take(&mut self.rests) {
-            Foresight::None
-        } else {
+        } else if self.looks.is_due() {
             Foresight::Predicted
+        } else {
+            Foresight::None
         }
     }
 
@@ -257,7 +262,7 @@ impl Reactive {
         if self.learners.owed_calls(size) {
             self.schedule.ask(Input::Owed);
         }
-        self.rests = size < self.threshold(Input::Owed) / 2.0;
+        self.looks.take(size, self.threshold(Input::Owed));
         if self.learners.are_shadow_runs_due(now) {
             let off = self.prediction.off(motion);
             self.learners.foresee(now, owed, off, tell);
@@ -395,7 +400,7 @@ impl Reactive {
 
     /// A setpoint or a place changed the control logic's command; no motion came beyond this one.
     pub fn on_joined(&mut self, command: &Mixed, motion: &Motion) {
-        self.rests = false;
+        self.looks = Looks::default();
         if self.counts_impulses() {
             self.prediction.on_joined(command, motion);
         }
@@ -470,6 +475,7 @@ impl Reactive {
         let passed = self.judgement.passed_limit()?;
         if passed == FallbackReason::FalsePositives && self.counts_impulses() {
             self.learners.silence();
+            self.renew_watch();
             self.judgement.restart();
             return None;
         }
@@ -500,6 +506,7 @@ impl Reactive {
     #[must_use]
     pub fn on_run(&mut self, run: &Run, command: &Mixed, setpoint: &Setpoint) -> bool {
         self.schedule.on_run(run.at);
+        self.looks = Looks::default();
         self.setpoints.on_run(setpoint);
         let turned = run.motion.sums.angle;
         self.learners
@@ -561,6 +568,7 @@ impl Reactive {
             .lesson_mut(refit.input)
             .on_refit(now, refit.fit);
         self.next_refit = self.learners.oldest_refit() + REFIT_INTERVAL;
+        self.renew_watch();
         weight
     }
 
@@ -576,6 +584,7 @@ impl Reactive {
         }
         self.learners.restart_holds();
         self.judgement.restart();
+        self.renew_watch();
         Some(phase)
     }
 

@@ -9,6 +9,8 @@ use crate::config::{EXPLORATION_SHARE, EXPLORATION_WEIGHT_CAP};
 #[derive(Clone, Debug)]
 pub struct Exploration {
     random: oorandom::Rand32,
+    /// Hyperperiods until the next run.
+    left: u32,
 }
 
 impl Exploration {
@@ -25,15 +27,30 @@ impl Exploration {
     /// A generator of the seed.
     #[must_use]
     pub fn new(seed: u32) -> Self {
-        Self {
+        let mut exploration = Self {
             random: oorandom::Rand32::new(u64::from(seed)),
-        }
+            left: 0,
+        };
+        exploration.wait();
+        exploration
     }
 
     /// True once in `1/EXPLORATION_SHARE` calls on average.
     pub fn draw(&mut self) -> bool {
-        const BOUND: u32 = (EXPLORATION_SHARE * 16_777_216.0) as u32;
-        self.random.rand_u32() >> 8 < BOUND
+        let explores = self.left == 0;
+        if explores {
+            self.wait();
+        } else {
+            self.left -= 1;
+        }
+        explores
+    }
+
+    /// Draws how many hyperperiods pass by: a geometric distribution, as if each drew for itself.
+    #[inline(never)] // Once a second or less.
+    fn wait(&mut self) {
+        let chance = 1.0 - self.random.rand_float();
+        self.left = (libm::logf(chance) / libm::logf(1.0 - EXPLORATION_SHARE)) as u32;
     }
 }
 

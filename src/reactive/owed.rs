@@ -37,6 +37,18 @@ pub(super) struct Budget {
     pub(super) worth: f32,
 }
 
+/// Which samples are looked at: what is owed follows from sums that go on anyway, so that a look that
+/// is left out loses nothing but time.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Looks {
+    /// What was owed at the last one.
+    owed: f32,
+    /// The sample before that was left out.
+    rested: bool,
+    /// The next one is.
+    rests: bool,
+}
+
 /// The way that a command took: where it is, and its sum over time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course {
@@ -57,6 +69,23 @@ impl Budget {
             most: settings.quantum * seconds(settings.budget),
             worth: settings.quantum * seconds(REPAYMENT),
         }
+    }
+}
+
+impl Looks {
+    /// True where this sample is to be looked at.
+    pub(super) fn is_due(&mut self) -> bool {
+        self.rested = core::mem::take(&mut self.rests);
+        !self.rested
+    }
+
+    /// So much is owed: the next sample is left out where the one after it would still find the
+    /// budget kept, should what is owed grow twice as fast as it did.
+    pub(super) fn take(&mut self, owed: f32, budget: f32) {
+        let grown = max(owed - self.owed, 0.0);
+        let in_two_samples = if self.rested { grown } else { 2.0 * grown };
+        self.owed = owed;
+        self.rests = owed + 2.0 * in_two_samples < budget;
     }
 }
 
@@ -188,6 +217,28 @@ mod tests {
         assert!(owed(100, vibration) < budget);
         let quarter = SETTINGS.quantum / 4.0;
         assert!(owed(100, |_| quarter) > budget);
+    }
+
+    #[test]
+    fn a_look_is_left_out_while_the_budget_is_far() {
+        let budget = 1.0;
+        let looked_at = |growth: f32| {
+            let (mut looks, mut seen) = (Looks::default(), Vec::new());
+            for sample in 1..=40u16 {
+                let owed = growth * f32::from(sample);
+                if looks.is_due() {
+                    looks.take(owed, budget);
+                    seen.push(sample);
+                }
+                if owed > budget {
+                    return (seen.last() == Some(&sample), seen.len());
+                }
+            }
+            unreachable!("it grows")
+        };
+        let (found_at_once, looks) = looked_at(0.03);
+        assert!(found_at_once && looks <= 22, "{looks} of 34");
+        assert_eq!(looked_at(0.3), (true, 4), "of 4: it grows too fast");
     }
 
     #[test]
