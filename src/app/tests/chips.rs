@@ -111,3 +111,62 @@ fn periodic_control_reads_the_magnetometer_for_the_estimator_and_the_other_chip_
     let but_heartbeats = |action| action != ChipAction::Heartbeat;
     assert_eq!(count(&given, Input::ChipAccel, but_heartbeats), 0);
 }
+
+/// The chip sees the drone moved, so long after now: the run that this alone led to, and how long
+/// after that. No sample of the inertial sensor comes between.
+fn run_of_a_crossing(bench: &mut Bench, after_us: u64) -> (Ran, u64) {
+    let at = at_micros(bench.now + after_us);
+    let moved = force([8_000, 0, -8192], Cause::Threshold);
+    let Next::HyperperiodAt(due) = bench.autopilot.on_chip(at, &moved) else {
+        panic!("a crossing asks for a run");
+    };
+    let due = due.max(at);
+    let output = bench.autopilot.on_hyperperiod(due);
+    assert!(output.is_some(), "control runs");
+    let last = bench.autopilot.recorder().last().expect("a call").call;
+    let Call::Ran(ran) = last else {
+        panic!("{last:?}");
+    };
+    (ran, span(at, due).ticks())
+}
+
+/// A steady drone, seen by a noisy sensor.
+fn steady(now: u64) -> Option<i16> {
+    Some((now / 1000 % 3) as i16)
+}
+
+fn check_that_a_crossing_runs_control(mut bench: Bench, after_us: u64) {
+    let (ran, waited_us) = run_of_a_crossing(&mut bench, after_us);
+    let asked = Inputs::NONE.with(Input::ChipAccel);
+    assert_eq!((ran.reason, ran.asked), (Reason::Trigger, asked));
+    let bound = (HYPERPERIOD * 3 / 2).ticks();
+    assert!(waited_us <= bound, "{waited_us} us");
+}
+
+#[test]
+fn with_an_inertial_sensor_at_a_tenth_of_its_rate_a_crossing_calls_control() {
+    for after_us in [100, 1_000, 4_000, 9_000] {
+        let mut bench = with_threshold(1.0);
+        bench.milliseconds(100, |now| steady(now).filter(|_| now % 10_000 == 0));
+        check_that_a_crossing_runs_control(bench, after_us);
+    }
+}
+
+#[test]
+fn with_an_inertial_sensor_that_repeats_its_sample_a_crossing_calls_control() {
+    let mut bench = with_threshold(1.0);
+    bench.milliseconds(50, |_| Some(1));
+    check_that_a_crossing_runs_control(bench, 300);
+}
+
+#[test]
+fn with_an_inertial_sensor_that_delivers_late_a_crossing_calls_control_and_the_sample_counts() {
+    let mut bench = with_threshold(1.0);
+    bench.milliseconds(50, steady);
+    let stamped = at_micros(bench.now + 1_000);
+    let (ran, waited_us) = run_of_a_crossing(&mut bench, 8_000);
+    assert_eq!((ran.asked.sole(), waited_us), (Some(Input::ChipAccel), 0));
+    let next = bench.autopilot.on_imu(stamped, &turning(2));
+    assert_eq!(bench.autopilot.faults(Fault::ImuJump), 0);
+    assert_eq!(next, Next::Wait, "it asks for nothing");
+}

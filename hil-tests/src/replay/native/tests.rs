@@ -209,7 +209,7 @@ fn check_that_a_dip_is_noticed(board: &mut NativeBoard) {
     let noticed =
         after_ms(&|call| matches!(call, Call::OrderDone(order, Err(_)) if is_accel(order)));
     let again = after_ms(&|call| {
-        let keeps = [ChipAction::Rearm, ChipAction::Heartbeat];
+        let keeps = [ChipAction::Rearm, ChipAction::Read, ChipAction::Heartbeat];
         matches!(call, Call::OrderDone(order, Ok(_))
             if is_accel(order) && !keeps.contains(&order.action))
     });
@@ -253,6 +253,85 @@ fn a_supply_dip_of_an_accelerometer_that_compares_is_noticed() {
     check_that_a_dip_is_noticed(&mut board);
     println!("threshold {wanted:?} before, {:?} after", compares(&board));
     assert!(compares(&board).is_some());
+}
+
+/// That flight, pushed forward for a while at an instant, by 6 m/s2.
+fn pushed(seconds: u64, from_us: u64) -> Flight {
+    let pushed = |line: &str| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        let at_us = cells[0].parse::<u64>().unwrap_or_default();
+        if let (true, Ok(ax)) = (at_us >= from_us, cells[4].parse::<f64>()) {
+            cells[4] = (ax + 6.0).to_string();
+        }
+        cells.join(",")
+    };
+    let log: Vec<String> = log_of_gusts(seconds).lines().map(pushed).collect();
+    let rotate = Rotate::Named(Rotation::NONE);
+    Flight::of_bytes(
+        "pushed.csv".into(),
+        (log.join("\n") + "\n").as_bytes(),
+        rotate,
+    )
+    .unwrap_or_else(|fault| panic!("{fault:?}"))
+}
+
+/// What is asked of a run by the chip's accelerometer alone within 15 ms of a push, with an inertial
+/// sensor that went wrong just before.
+fn runs_of_the_chip(goes_wrong: impl Fn(&NativeBoard)) -> usize {
+    let push_us = 15_000_000;
+    let flight = pushed(20, push_us);
+    let standstill_ns = recorded_flights::Standstill::default().length_ns();
+    let push_ns = standstill_ns + push_us * 1000;
+    let mut board = in_flight(&flight, 10, reflex::config::SETTINGS);
+    // Past 1 m/s2 a run is as likely changed as it must be.
+    board.run_until(push_ns - 200_000_000);
+    let settings = reflex::config::SETTINGS;
+    let odds = settings.p_run / (1.0 - settings.p_run);
+    let model = reflex::reactive::Logistic {
+        b1: odds.ln() - 10.0,
+        b2: 10.0,
+    };
+    let refit = reflex::reactive::Refit {
+        input: Input::ChipAccel,
+        fit: reflex::reactive::Fit::Model(model),
+    };
+    board.pilot.on_refit(clock(board.now_ns), refit);
+    board.run_until(push_ns - 2_000_000);
+    goes_wrong(&board);
+    board.take_calls();
+    board.run_until(push_ns + 15_000_000);
+    let calls = board.take_calls();
+    let runs = calls.iter().filter(|stamped| {
+        matches!(stamped.call, Call::Ran(ran) if ran.asked.sole() == Some(Input::ChipAccel))
+    });
+    runs.count()
+}
+
+#[test]
+fn when_the_inertial_sensor_falls_silent_a_push_crosses_the_chips_threshold_and_control_runs() {
+    let silent = |board: &NativeBoard| {
+        let now_ns = board.now_ns;
+        board.imu.with(|wired| wired.chip.brown_out(now_ns));
+    };
+    assert!(runs_of_the_chip(silent) > 0);
+}
+
+#[test]
+fn when_the_inertial_sensor_slows_to_a_tenth_a_push_crosses_the_chips_threshold_and_control_runs() {
+    use chip_models::I2cChip;
+    use reflex_drivers::mpu6050::ADDRESS;
+    const SAMPLE_RATE_DIVIDER: u8 = 0x19;
+    let slow = |board: &NativeBoard| {
+        let now_ns = board.now_ns;
+        board.imu.with(|wired| {
+            assert!(wired.chip.start(now_ns, ADDRESS, false));
+            for byte in [SAMPLE_RATE_DIVIDER, 9] {
+                assert!(wired.chip.write(now_ns, byte));
+            }
+            wired.chip.stop(now_ns);
+        });
+    };
+    assert!(runs_of_the_chip(slow) > 0);
 }
 
 #[test]
