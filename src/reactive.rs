@@ -264,11 +264,23 @@ impl Reactive {
         }
         self.looks.take(size, self.threshold(Input::Owed));
         if self.learners.are_shadow_runs_due(now) {
-            let off = self.prediction.off(motion);
-            self.learners.foresee(now, owed, off, tell);
+            self.follow_shadow_runs(now, owed, motion, tell);
         }
         let verdict = self.judgement.settle(now, owed)?;
         Some(self.heed(&verdict, tell))
+    }
+
+    /// Learns from runs that are imagined at samples of chips. Not inlined: it is rare.
+    #[inline(never)]
+    fn follow_shadow_runs(
+        &mut self,
+        now: Instant,
+        owed: &Impulse,
+        motion: &Motion,
+        tell: &mut dyn FnMut(Input, &Label),
+    ) {
+        let off = self.prediction.off(motion);
+        self.learners.foresee(now, owed, off, tell);
     }
 
     /// Learns from what became of the last run. Not inlined: it is rare, and in three places.

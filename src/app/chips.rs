@@ -317,13 +317,16 @@ impl Chips {
             let action = chip.need(now, &pace)?;
             Some(ChipOrder { input, action })
         });
+        if order.is_some() {
+            return order;
+        }
         let heartbeats = self.each().map(|(input, chip)| {
             let told = chip.referred + of_input(input).period;
             let heard = chip.heard() + failsafe;
             chip.quiet_since.map_or(told.max(heard), |at| at + PATIENCE)
         });
         self.due = heartbeats.min().unwrap_or(now);
-        order
+        None
     }
 
     /// An order was carried out, or failed; how often that chip failed so far.
