@@ -8,6 +8,7 @@
 //! autopilot without one. Both take the same [`options`], refuse the same flights, and judge
 //! the calls of the autopilot in the same way.
 
+mod asking;
 pub mod emulated;
 mod link_frames;
 pub mod native;

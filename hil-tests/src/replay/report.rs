@@ -5,10 +5,11 @@
 
 use std::collections::BTreeMap;
 
-use reflex::app::{Call, ChipAction, ChipSetting, Fault, Outcome, Ran, Reason};
+use reflex::app::{Call, ChipAction, ChipSetting, Fault, Outcome};
 use reflex::reactive::{Fit, Phase};
 use reflex::sensors::{Cause, Input, Unit};
 
+use super::asking::Asking;
 use super::options::ReplayOptions;
 use super::setup::chip_options;
 use super::timeline::Timeline;
@@ -36,8 +37,6 @@ pub(crate) struct Evidence<'r, 'c> {
     pub(crate) flight: &'r Flight,
     pub(crate) setpoints: &'r Setpoints,
     pub(crate) timeline: &'r Timeline<'c>,
-    /// Runs with their stamps, as far as the tier saw them through.
-    pub(crate) runs: &'r [(u64, Ran)],
     pub(crate) chips: ChipEvidence<'r>,
 }
 
@@ -102,6 +101,10 @@ impl Evidence<'_, '_> {
         let samples = chip.map_or(interrupts, |chip| {
             samples_since(chips.looks, chips.from_ns, chip)
         });
+        let Timeline {
+            calls, verdicts, ..
+        } = self.timeline;
+        let asking = Asking::of(input, calls, verdicts, scored_from_us(self.timeline));
         let fit = self.timeline.mirror.autopilot().fit(input);
         // Commands are shares of full scale in the firmware.
         let (unit_name, unit) = match input.declaration().unit {
@@ -118,7 +121,12 @@ impl Evidence<'_, '_> {
             present,
             samples,
             interrupts,
-            triggers: self.triggers(input),
+            spared: chip.map_or(0, |_| samples.saturating_sub(interrupts)),
+            orders: asking.orders,
+            triggers: asking.runs,
+            first: asking.first,
+            alone: asking.alone,
+            rightly: asking.rightly,
             state: self.state(fit, present),
             threshold: model
                 .map(|_| short(self.timeline.mirror.autopilot().threshold(input) / unit)),
@@ -137,16 +145,6 @@ impl Evidence<'_, '_> {
             b1: model.map(|model| short(model.b1)),
             b2: model.map(|model| short(model.b2 * unit)),
         }
-    }
-
-    /// Runs that an input asked for, alone or with others, in what is scored.
-    fn triggers(&self, input: Input) -> u64 {
-        let from_us = scored_from_us(self.timeline);
-        let scored = self.runs.iter().filter(|(at_us, _)| *at_us > from_us);
-        scored
-            .filter(|(_, ran)| ran.reason == Reason::Trigger)
-            .filter(|(_, ran)| ran.asked.contains(input))
-            .count() as u64
     }
 
     fn count_calls(&self, of: impl Fn(&Call) -> bool) -> u64 {

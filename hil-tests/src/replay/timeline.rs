@@ -10,6 +10,7 @@ use reflex::airframe::Mixer;
 use reflex::app::{Autopilot, Call, Next, Reason, Stamped};
 use reflex::config::HYPERPERIOD;
 use reflex::reactive::{FallbackReason, Phase, axes_of};
+use reflex::sensors::Input;
 use reflex::settings::Policy;
 use reflex::time::{Instant, seconds};
 
@@ -29,6 +30,7 @@ pub(crate) struct Timeline<'c> {
     ends: Vec<usize>,
     /// For each call, whether it is a sample behind which the hyperperiod's task ran.
     answered: Vec<bool>,
+    pub(crate) verdicts: Verdicts,
     pub(crate) mirror: Mirror,
     /// Runs with motors that may turn.
     pub(crate) runs_in_the_air: u64,
@@ -72,6 +74,7 @@ impl<'c> Timeline<'c> {
             flight: FlightSteps::new(start_us, held_at(calls, start_us, start.airframe.count())),
             ends: Vec::new(),
             answered: answered(calls),
+            verdicts: Verdicts::of(calls),
             mirror: Mirror::new(start),
             runs_in_the_air: 0,
             fallbacks: 0,
@@ -119,6 +122,7 @@ impl<'c> Timeline<'c> {
                         reason: ran.reason,
                         asked,
                         expected: ran.expected,
+                        repaid: self.verdicts.changed(place),
                         command: ran.shares,
                     };
                     self.take_run(run, (at_us, by_timer), &mut open, &reference.command);
@@ -199,6 +203,7 @@ impl<'c> Timeline<'c> {
             busy,
         });
         Rules {
+            repays: self.start.settings.triggers.contains(Input::Owed),
             axes: axes_of(&Mixer::new(&self.start.airframe)),
             budget_s: seconds(self.start.settings.budget),
             load,
@@ -284,6 +289,34 @@ impl Native {
         let output = self.autopilot.on_hyperperiod(at);
         self.command = output.map_or(self.command, |output| output.share());
         output.is_some()
+    }
+}
+
+/// What became of runs, by their places among the calls.
+pub(crate) struct Verdicts(Vec<Option<bool>>);
+
+impl Verdicts {
+    /// A verdict is on the run before it: every run ends the wait for the one before.
+    fn of(calls: &[Stamped]) -> Self {
+        let mut verdicts = vec![None; calls.len()];
+        let mut last = None;
+        for (place, stamped) in calls.iter().enumerate() {
+            match stamped.call {
+                Call::Ran(_) => last = Some(place),
+                Call::Judged(changed) => {
+                    if let Some(last) = last {
+                        verdicts[last] = Some(changed);
+                    }
+                }
+                _ => {}
+            }
+        }
+        Self(verdicts)
+    }
+
+    /// Whether the run at this place was changed; `None` where that was not seen.
+    pub(crate) fn changed(&self, place: usize) -> Option<bool> {
+        self.0[place]
     }
 }
 

@@ -19,6 +19,8 @@ pub struct Run {
     pub asked: bool,
     /// The probability of a changed command by the models that asked; `None` without one.
     pub expected: Option<f32>,
+    /// Whether it repaid what a run is worth; `None` where nobody saw.
+    pub repaid: Option<bool>,
     /// What it wrote to the motors.
     pub command: Command,
 }

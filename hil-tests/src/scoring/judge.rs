@@ -14,7 +14,8 @@
 //! - *Failsafe-changed*: a failsafe run that moved some motor by a quantum or more while no
 //!   trigger had asked.
 //! - *Prediction*: of a triggered run, the probability of a changed command that the models gave
-//!   it, beside whether its own command then differed from the one held before.
+//!   it, beside whether it was changed as the models learn it: its command repaid what a run is
+//!   worth, or, where impulses do not count, differed from the one held before.
 //! - *Stale from the trigger*: the policy's runs, with the reference's command in place of its
 //!   own: at a run, hold the reference's command of that hyperperiod, or for an early run that
 //!   of the one before, since the newer sample was not there yet.
@@ -88,7 +89,12 @@ impl Judge<'_> {
         self.missed |= class == Class::FalseNegative;
         let prediction = step.run.as_ref().and_then(|run| {
             let expected = run.expected.filter(|_| run.reason == Reason::Trigger)?;
-            Some((expected, differs(&run.command, &step.held, quantum)))
+            let changed = if self.rules.repays {
+                run.repaid?
+            } else {
+                differs(&run.command, &step.held, quantum)
+            };
+            Some((expected, changed))
         });
         if let Some(run) = &step.run {
             failsafe_changed += failsafe_changed_by(run, &step.held, quantum);

@@ -219,8 +219,18 @@ pub struct Sensor {
     pub samples: u64,
     /// Interrupts that it raised.
     pub interrupts: u64,
+    /// Samples that its chip kept to itself.
+    pub spared: u64,
+    /// Orders on its chip's bus after warm-up: to re-arm, to read, to check, to program.
+    pub orders: u64,
     /// Runs that it asked for, alone or with others.
     pub triggers: u64,
+    /// Those that it asked for first, or with the first.
+    pub first: u64,
+    /// Those that it alone asked for.
+    pub alone: u64,
+    /// Those of `alone` that were changed, as models learn it; the others were spent on nothing.
+    pub rightly: u64,
     /// The state of its model.
     pub state: ModelState,
     /// The change above which it asks for a run, in `unit`; null without a model.

@@ -14,6 +14,8 @@ pub const MOST_SATURATED: f64 = 0.2;
 /// The constants of one scoring.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rules {
+    /// A run is judged by what it repays, where that is known, and not by what it moves.
+    pub repays: bool,
     /// The change of a motor command that counts, as a share of full scale, above 0.
     pub quantum: f32,
     /// The longest time between runs, in microseconds.
@@ -48,6 +50,7 @@ impl Default for Rules {
     /// One step of an 8-bit ESC, 0.1 s, from the armed motors' minimum to full, 1 to 1000 Hz.
     fn default() -> Self {
         Self {
+            repays: false,
             quantum: 1.0 / 255.0,
             failsafe_us: 100_000,
             limits: GEOMETRY.armed_minimum()..=1.0,

@@ -56,14 +56,15 @@ pub struct Actuators {
     pub saturated_fraction: Option<f64>,
 }
 
-/// What the models expected of the runs that they asked for, and how many of those changed the command.
+/// What the models expected of the runs that they asked for, and how many of those were changed.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Calibration {
     /// Runs that a model asked for.
     pub triggers: u64,
     /// Mean probability of a changed command by the models; null without such a run.
     pub expected_share: Option<f64>,
-    /// Share of them that changed the command by a quantum or more.
+    /// Share of them that were changed: that repaid a quantum for 10 ms, or moved the command by one
+    /// where the impulse owed does not trigger.
     pub changed_share: Option<f64>,
 }
 

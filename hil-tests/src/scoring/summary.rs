@@ -21,6 +21,7 @@ pub fn summary(report: &Report) -> String {
     let parts = [
         flown(run, score),
         sensors(&run.sensors),
+        asking(&run.sensors),
         runs(run, score),
         latency_parts(&run.latency_parts_us),
         decisions(score),
@@ -81,16 +82,7 @@ fn flown(run: &RunReport, score: &Score) -> String {
 }
 
 fn sensors(sensors: &[Sensor]) -> String {
-    let header = [
-        "sensor",
-        "samples",
-        "interrupts",
-        "triggers",
-        "model",
-        "threshold",
-        "b1",
-        "b2",
-    ];
+    let header = ["sensor", "samples", "model", "threshold", "b1", "b2"];
     let mut table = Table::new(header);
     for sensor in sensors {
         let threshold = match sensor.threshold {
@@ -100,13 +92,40 @@ fn sensors(sensors: &[Sensor]) -> String {
         table.row([
             sensor.name.clone(),
             sensor.samples.to_string(),
-            sensor.interrupts.to_string(),
-            sensor.triggers.to_string(),
             sensor.state.name().to_owned(),
             threshold,
             or_dash(sensor.b1, 3),
             or_dash(sensor.b2, 3),
         ]);
+    }
+    table.to_string()
+}
+
+/// Who asked for runs, and what that took: interrupts, and orders on the bus of a chip.
+fn asking(sensors: &[Sensor]) -> String {
+    let header = [
+        "asked for runs",
+        "runs",
+        "first",
+        "alone",
+        "rightly",
+        "interrupts",
+        "spared",
+        "orders",
+    ];
+    let mut table = Table::new(header);
+    for sensor in sensors {
+        let counts = [
+            sensor.triggers,
+            sensor.first,
+            sensor.alone,
+            sensor.rightly,
+            sensor.interrupts,
+            sensor.spared,
+            sensor.orders,
+        ];
+        let [a, b, c, d, e, f, g] = counts.map(|count| count.to_string());
+        table.row([sensor.name.clone(), a, b, c, d, e, f, g]);
     }
     table.to_string()
 }

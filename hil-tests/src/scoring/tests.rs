@@ -35,6 +35,7 @@ fn run(reason: Reason, share: f32) -> Option<Run> {
         reason,
         asked: reason == Reason::Trigger,
         expected: None,
+        repaid: None,
         command: all(share),
     })
 }

@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use reflex::app::Ran;
-
 use super::latency;
 use super::session::Session;
 use crate::firmware::Firmware;
@@ -30,14 +28,11 @@ pub(super) struct BoardEvidence<'r, 'c> {
 
 impl BoardEvidence<'_, '_> {
     pub(super) fn report(&self) -> RunReport {
-        let aligned = self.alignment.runs.iter();
-        let runs: Vec<(u64, Ran)> = aligned.map(|run| (run.at_us, run.ran)).collect();
         let evidence = Evidence {
             options: self.options,
             flight: self.flight,
             setpoints: &self.session.setpoints,
             timeline: self.timeline,
-            runs: &runs,
             chips: ChipEvidence {
                 from_ns: self.scored_from_ns(),
                 edges: self.observation.edges.each_ref().map(Vec::as_slice),

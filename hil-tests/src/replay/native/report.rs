@@ -39,7 +39,6 @@ pub(super) fn report(
         flight,
         setpoints,
         timeline,
-        runs: &runs,
         chips: ChipEvidence {
             from_ns: nanos(at_micros(scored_from_us(timeline))),
             edges: edges.each_ref().map(Vec::as_slice),

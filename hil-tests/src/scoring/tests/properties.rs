@@ -43,6 +43,7 @@ fn build(warm_up: usize, hyperperiods: &[Ingredients]) -> FlightSteps {
             reason: REASONS[reason],
             asked,
             expected: None,
+            repaid: None,
             command: command.map(|share| share + error),
         };
         if let Some(early) = early {
@@ -127,6 +128,7 @@ proptest! {
                 reason: Reason::Trigger,
                 asked: true,
                 expected: None,
+                repaid: None,
                 command: step.reference,
             };
             perfect.end_hyperperiod(step.at_us, step.reference, Some(run));

@@ -46,9 +46,13 @@ policy reactive, P_run 0.8, reference last-run, failsafe 0.1 s, quantum 0.25000 
 setpoint from the log's own attitude and rates, low-passed, rotation none, noise datasheet, motors oneshot125
 gaps in the log: 1, 0.013 s together
 
-sensor         samples  interrupts  triggers   model     threshold      b1      b2
-mpu6050_gyro         9           9         2     fit  0.0421 rad/s  -3.210  86.100
-lsm303agr_mag        9           9         0  absent             -       -       -
+sensor         samples   model     threshold      b1      b2
+mpu6050_gyro         9     fit  0.0421 rad/s  -3.210  86.100
+lsm303agr_mag        9  absent             -       -       -
+
+asked for runs  runs  first  alone  rightly  interrupts  spared  orders
+mpu6050_gyro       2      1      1        0           9       0       3
+lsm303agr_mag      0      0      0        0           9       0       3
 
 runs                    per second  latency p50 us  p99 us  max us
 trigger              2         0.1           481.5   512.2   512.2
