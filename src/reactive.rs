@@ -5,8 +5,9 @@
 //! so before: for each input a logistic regression gives the probability that a run now would be
 //! *changed*, that its command would repay what it is worth; the inverse is a threshold, so that
 //! the hot path is one comparison (Bregu et al., MobiSys 2016, sections 4 and 5). Labels come from
-//! shadow holds in the warm-up, later from the runs that one input alone asked for. Where the
-//! impulse does not trigger, a run is changed when it moves some motor by a quantum.
+//! shadow holds in the warm-up, later from the runs that one input alone asked for; those of chips
+//! from shadow runs at their samples. Where the impulse does not trigger, a run is changed when it
+//! moves some motor by a quantum.
 //!
 //! [`Reactive`] is the whole rule. It is shown samples, setpoints and runs, in this order:
 //!
@@ -316,7 +317,7 @@ impl Reactive {
         } else if learning
             || self.phase() == Phase::Reactive && self.learners.learns_from_samples(input)
         {
-            self.learners.imagine_run(at, input);
+            self.learners.imagine_run(at, input, command);
         }
         if GATES.contains(input) {
             self.end_hyperperiod(at, Inputs::NONE.with(input))
@@ -438,7 +439,7 @@ impl Reactive {
                 judged.last = self.settle_last(run.at, gain, &mut tell);
                 if self.phase() == Phase::Reactive {
                     let owed = self.prediction.owed();
-                    self.learners.go_on(run.at, owed, gain, run.applied);
+                    self.learners.go_on(run.at, owed, gain);
                 }
             }
             None => judged.changed = Some(self.judgement.is_changed(run.before, run.applied)),

@@ -32,8 +32,10 @@ pub(super) struct Learners {
     command: Learner<MotorShares>,
     owed: Learner<Course>,
     lead: Input,
-    /// The way of the command, where it leads over time.
+    /// The way of the command, where it leads over time; in reactive control while a shadow run needs it.
     course: Option<Course>,
+    /// When control last ran in reactive control.
+    ran: Instant,
     /// The run that the budget would have called for last in the warm-up, which runs more often.
     budgeted: Option<Course>,
     shadow_runs: ShadowRuns,
@@ -67,6 +69,7 @@ impl Learners {
             owed: Learner::new(Input::Owed, settings, Rest::Budget(budget.most)),
             lead,
             course: None,
+            ran: Instant::from_ticks(0),
             budgeted: None,
             shadow_runs: ShadowRuns::new(),
             feedback: settings.feedback,
@@ -255,13 +258,18 @@ impl Learners {
         }
     }
 
-    /// A chip sampled: what would a run now repay?
-    pub(super) fn imagine_run(&mut self, at: Instant, input: Input) {
+    /// A chip sampled, with a command in force: what would a run now repay?
+    ///
+    /// In the warm-up the command is that of the budget's last run, not that of the newest.
+    pub(super) fn imagine_run(&mut self, at: Instant, input: Input, command: &MotorShares) {
+        let begun = Course::begun(self.ran, self.of_command(command));
         let lesson = self.lesson(input);
-        // In the warm-up that of the budget's last run.
-        let in_force = self.budgeted.or(self.course);
-        if let (true, Some(x), Some(run)) = (lesson.triggers, lesson.decision.change(), in_force) {
-            self.shadow_runs.sample(at, input, x, &run);
+        let (triggers, change) = (lesson.triggers, lesson.decision.change());
+        if let (true, Some(x)) = (triggers, change) {
+            let run = self.budgeted.or(self.course).unwrap_or(begun);
+            if self.shadow_runs.sample(at, input, x, &run) {
+                self.course.get_or_insert(run);
+            }
         }
     }
 
@@ -284,23 +292,12 @@ impl Learners {
         }
     }
 
-    /// A run moved the command by `gain`, to the one that is applied; the one before owed so much.
-    pub(super) fn go_on(
-        &mut self,
-        now: Instant,
-        owed: &Impulse,
-        gain: OfAxes,
-        applied: &MotorShares,
-    ) {
-        let under_way = self.shadow_runs.are_under_way();
-        match &mut self.course {
-            None => self.course = Some(Course::begun(now, self.of_command(applied))),
-            Some(course) => {
-                course.spend(now, owed, gain);
-                if !under_way {
-                    course.sum_anew();
-                }
-            }
+    /// A run moved the command by `gain`; the one before owed so much.
+    pub(super) fn go_on(&mut self, now: Instant, owed: &Impulse, gain: OfAxes) {
+        self.ran = now;
+        self.course = self.course.filter(|_| self.shadow_runs.are_under_way());
+        if let Some(course) = &mut self.course {
+            course.spend(now, owed, gain);
         }
     }
 
@@ -466,11 +463,14 @@ impl Learners {
     /// `turned` is the angle that the run took, `learning` whether shadow holds look further
     /// back than to this run.
     pub(super) fn on_run(&mut self, turned: Vec3, learning: bool, command: &MotorShares) {
-        for input in Input::OF_AXES {
-            // What stands alone is measured from the reference that its chip took.
-            if (input == self.lead || !self.stands_alone(input))
-                && let Some(learner) = self.of_axes(input)
-            {
+        // A second opinion is measured from the reference that its chip took.
+        let second = if self.lead == Input::Owed {
+            Inputs::OF_CHIPS
+        } else {
+            Inputs::NONE
+        };
+        for (input, learner) in Input::OF_AXES.into_iter().zip(&mut self.of_axes) {
+            if !second.contains(input) {
                 learner.on_run();
             }
         }

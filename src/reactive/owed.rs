@@ -167,11 +167,6 @@ impl Course {
         }
     }
 
-    /// Sums anew from here on.
-    pub(super) fn sum_anew(&mut self) {
-        self.sum = Impulse::default();
-    }
-
     /// The command at its end.
     pub(super) fn command(&self) -> OfAxes {
         self.command

@@ -70,17 +70,19 @@ impl ShadowRuns {
         }
     }
 
-    /// A chip sampled a change since its reference; the command in force is that of a run.
-    pub(super) fn sample(&mut self, at: Instant, input: Input, x: f32, run: &Course) {
+    /// A chip sampled a change since its reference; the command in force is that of a run. False
+    /// where that tells nothing.
+    pub(super) fn sample(&mut self, at: Instant, input: Input, x: f32, run: &Course) -> bool {
         let period = of_input(input).period;
-        if let Some(chip) = self.of(input)
-            && chip
-                .referred
-                .is_some_and(|referred| run.at() < referred + period)
-        {
+        let Some(chip) = self.of(input) else {
+            return false;
+        };
+        let tells = (chip.referred).is_some_and(|referred| run.at() < referred + period);
+        if tells {
             chip.sampled = Some((x, run.command()));
             self.due = Some(at);
         }
+        tells
     }
 
     /// True where [`Self::follow`] is worth a call.
@@ -191,7 +193,7 @@ mod tests {
         let mut shadow_runs = ShadowRuns::new();
         shadow_runs.refer(at_micros(0), CHIP);
         let run = Course::begun(at_micros(0) + period, OfAxes::default());
-        shadow_runs.sample(run.at() + period, CHIP, 1.0, &run);
+        assert!(!shadow_runs.sample(run.at() + period, CHIP, 1.0, &run));
         assert!(!shadow_runs.are_due(run.at() + period));
     }
 }
