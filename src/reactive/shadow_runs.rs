@@ -1,4 +1,4 @@
-//! Shadow runs: what a run at a chip's sample would repay, though none is made there.
+//! Shadow runs: what a run at a chip's sample would repay if it were made.
 //!
 //! A threshold in a chip hides most samples, and runs that only a chip asks for are rare: labels
 //! from runs alone would be too few to learn a model from. But what a run repays follows from the

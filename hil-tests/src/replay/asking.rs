@@ -1,4 +1,4 @@
-//! Who asked for runs: first, alone, and rightly; and what asking took of a chip's bus.
+//! Who asked for runs: first, alone, rightly; and what that took of a bus.
 //!
 //! A chip asks when its sample is fetched, all other inputs with the sample that ends a hyperperiod.
 
