@@ -1,4 +1,4 @@
-//! Made-up aerobatics: sensors that agree with each other on flights nobody recorded.
+//! Made-up aerobatics: sensors that agree on flights that nobody recorded.
 //!
 //! A body turns as a script says, in gusts; its attitude turns gravity's reaction, drag and the
 //! Earth's field into what its sensors measure, on a frame that vibrates. The same seed gives the
