@@ -13,12 +13,12 @@ use crate::settings::{Policy, WarmUp};
 use crate::time::{at_micros, micros, span};
 use crate::units::{BodyRates, SpecificForce, Thrust};
 
-use bench::{Bench, force, obeyed, turning};
+use rig::{Rig, force, obeyed, turning};
 
-mod bench;
 mod chips;
 mod gaps;
 mod goals;
+mod rig;
 mod supervision;
 
 /// A gust every quarter second over a little noise, in counts.
@@ -41,66 +41,65 @@ fn short_warm_up() -> Settings {
 
 #[test]
 fn it_refuses_to_arm_before_the_gyroscope_is_calibrated() {
-    let mut bench = Bench::new(SETTINGS);
-    bench.milliseconds(100, |_| Some(0));
+    let mut rig = Rig::new(SETTINGS);
+    rig.milliseconds(100, |_| Some(0));
     assert_eq!(
-        bench.tell(&Message::Arm(true)),
+        rig.tell(&Message::Arm(true)),
         Some(Answer::TemporarilyRejected)
     );
-    bench.milliseconds(1000, |_| Some(0));
-    assert_eq!(bench.tell(&Message::Arm(true)), Some(Answer::Accepted));
+    rig.milliseconds(1000, |_| Some(0));
+    assert_eq!(rig.tell(&Message::Arm(true)), Some(Answer::Accepted));
 }
 
 #[test]
 fn motors_stay_stopped_until_armed_and_stop_when_disarmed() {
-    let mut bench = Bench::new(SETTINGS);
-    bench.milliseconds(1000, |_| Some(0));
-    assert!(bench.outputs.iter().all(|(_, shares)| stopped(shares)));
-    let mut bench = Bench::armed(SETTINGS);
-    bench.milliseconds(10, |_| Some(0));
+    let mut rig = Rig::new(SETTINGS);
+    rig.milliseconds(1000, |_| Some(0));
+    assert!(rig.outputs.iter().all(|(_, shares)| stopped(shares)));
+    let mut rig = Rig::armed(SETTINGS);
+    rig.milliseconds(10, |_| Some(0));
     assert!(
-        bench
-            .outputs
+        rig.outputs
             .last()
             .expect("runs")
             .1
             .iter()
             .all(|share| *share > 0.3)
     );
-    bench.tell(&Message::Arm(false));
-    bench.milliseconds(10, |_| Some(0));
-    assert!(stopped(&bench.outputs.last().expect("runs").1));
+    rig.tell(&Message::Arm(false));
+    rig.milliseconds(10, |_| Some(0));
+    assert!(stopped(&rig.outputs.last().expect("runs").1));
 }
 
 #[test]
 fn warm_up_fits_a_model_and_reactive_control_spares_runs_whatever_leads() {
     for (lead, other) in [(Input::Owed, Input::Command), (Input::Command, Input::Owed)] {
-        let mut bench = Bench::armed(Settings {
+        let mut rig = Rig::armed(Settings {
             triggers: Inputs::ALL.without(other),
             ..short_warm_up()
         });
-        bench.milliseconds(4_600, gusty);
-        assert_eq!(bench.phase(), Phase::Reactive);
-        let fit = bench.autopilot.fit(lead);
+        rig.milliseconds(4_600, gusty);
+        assert_eq!(rig.phase(), Phase::Reactive);
+        let fit = rig.autopilot.fit(lead);
         assert!(matches!(fit, Fit::Model(_)), "{lead:?} {fit:?}");
-        let before = bench.outputs.len();
-        bench.milliseconds(4_000, gusty);
-        let runs = bench.outputs.len() - before;
+        let before = rig.outputs.len();
+        rig.milliseconds(4_000, gusty);
+        let runs = rig.outputs.len() - before;
         assert!(
             (40..3_000).contains(&runs),
             "{lead:?}: {runs} runs in 4000 hyperperiods"
         );
-        assert!(bench.reasons().contains(&Reason::Trigger));
+        assert!(rig.reasons().contains(&Reason::Trigger));
     }
 }
 
 #[test]
 fn no_gap_between_runs_is_longer_than_the_failsafe_even_without_a_gyroscope() {
-    let mut bench = Bench::armed(short_warm_up());
-    bench.milliseconds(6_000, gusty);
-    bench.milliseconds(3_000, |_| None);
-    bench.milliseconds(3_000, gusty);
-    let longest = bench
+    let mut rig = Rig::armed(short_warm_up());
+    rig.milliseconds(6_000, gusty);
+    rig.milliseconds(3_000, |_| None);
+    rig.milliseconds(3_000, gusty);
+    let longest = rig
         .outputs
         .windows(2)
         .map(|pair| pair[1].0 - pair[0].0)
@@ -108,74 +107,73 @@ fn no_gap_between_runs_is_longer_than_the_failsafe_even_without_a_gyroscope() {
         .expect("runs");
     let bound = SETTINGS.failsafe + HYPERPERIOD;
     assert!(longest <= bound.ticks(), "{longest} us");
-    assert!(bench.autopilot.faults(Fault::ImuSilent) > 0);
+    assert!(rig.autopilot.faults(Fault::ImuSilent) > 0);
 }
 
 #[test]
 fn a_lost_gyroscope_falls_back_and_warms_up_again_when_it_returns() {
-    let mut bench = Bench::armed(short_warm_up());
-    bench.milliseconds(6_000, gusty);
-    bench.milliseconds(500, |_| None);
-    assert!(matches!(bench.phase(), Phase::Fallback(_)));
-    bench.milliseconds(10, gusty);
-    assert_eq!(bench.phase(), Phase::WarmUp);
+    let mut rig = Rig::armed(short_warm_up());
+    rig.milliseconds(6_000, gusty);
+    rig.milliseconds(500, |_| None);
+    assert!(matches!(rig.phase(), Phase::Fallback(_)));
+    rig.milliseconds(10, gusty);
+    assert_eq!(rig.phase(), Phase::WarmUp);
 }
 
 #[test]
 fn a_chip_interrupt_without_gating_samples_runs_at_one_and_a_half_periods() {
-    let mut bench = Bench::armed(short_warm_up());
-    bench.milliseconds(6_000, gusty);
-    let now = at_micros(bench.now + 300);
-    let next = bench
+    let mut rig = Rig::armed(short_warm_up());
+    rig.milliseconds(6_000, gusty);
+    let now = at_micros(rig.now + 300);
+    let next = rig
         .autopilot
         .on_chip(now, &force([0, 0, -8192], Cause::Threshold));
     let Next::HyperperiodAt(at) = next else {
         panic!("{next:?}");
     };
-    assert_eq!(span(at_micros(bench.now), at), HYPERPERIOD * 3 / 2);
-    assert!(bench.autopilot.on_hyperperiod(now).is_none());
-    assert!(bench.autopilot.on_hyperperiod(at).is_some());
+    assert_eq!(span(at_micros(rig.now), at), HYPERPERIOD * 3 / 2);
+    assert!(rig.autopilot.on_hyperperiod(now).is_none());
+    assert!(rig.autopilot.on_hyperperiod(at).is_some());
 }
 
 #[test]
 fn in_reactive_control_the_chip_is_told_its_threshold() {
     // Where the gyroscope tells first, no chip is needed.
-    let mut bench = Bench::armed(Settings {
+    let mut rig = Rig::armed(Settings {
         triggers: Inputs::NONE.with(Input::Turned).with(Input::ChipAccel),
         ..short_warm_up()
     });
     for step in 0..10_000 {
-        bench.milliseconds(1, gusty);
+        rig.milliseconds(1, gusty);
         if step % 10 == 0 {
-            let gust = gusty(bench.now).unwrap_or(0);
-            let now = at_micros(bench.now);
+            let gust = gusty(rig.now).unwrap_or(0);
+            let now = at_micros(rig.now);
             let sample = force([gust * 16, 0, -8192], Cause::DataReady);
-            let _ = bench.autopilot.on_chip(now, &sample);
+            let _ = rig.autopilot.on_chip(now, &sample);
         }
-        while let Some(order) = bench.autopilot.next_order() {
-            bench
-                .autopilot
-                .on_order_done(at_micros(bench.now), order, Ok(obeyed(order)));
+        while let Some(order) = rig.autopilot.next_order() {
+            rig.autopilot
+                .on_order_done(at_micros(rig.now), order, Ok(obeyed(order)));
         }
     }
-    let told = bench.autopilot.recorder().iter().any(|stamped| {
+    let told = rig.autopilot.recorder().iter().any(|stamped| {
         matches!(
             stamped.call,
             Call::OrderDone(order, Ok(ChipSetting::PastThreshold { level, .. }))
                 if order.input == Input::ChipAccel && level > 0.0
         )
     });
-    assert!(told, "{:?}", bench.autopilot.fit(Input::ChipAccel));
+    assert!(told, "{:?}", rig.autopilot.fit(Input::ChipAccel));
 }
 
 #[test]
 fn a_chip_that_fails_is_asked_again_now_and_then_and_does_not_hold_up_the_other() {
-    let mut bench = Bench::armed(short_warm_up());
+    let mut rig = Rig::armed(short_warm_up());
     let (mut failed, mut done) = (0, 0);
     for _ in 0..1_000 {
-        bench.milliseconds(1, gusty);
-        let now = at_micros(bench.now);
-        while let Some(order) = bench.autopilot.next_order() {
+        rig.milliseconds(1, gusty);
+        let now = at_micros(rig.now);
+        while let Some(order) = rig.autopilot.next_order() {
             let accel = order.input == Input::ChipAccel;
             let result = if accel {
                 Err(OrderError::Bus)
@@ -187,7 +185,7 @@ fn a_chip_that_fails_is_asked_again_now_and_then_and_does_not_hold_up_the_other(
             } else {
                 (failed, done + 1)
             };
-            bench.autopilot.on_order_done(now, order, result);
+            rig.autopilot.on_order_done(now, order, result);
         }
     }
     assert!((9..=11).contains(&failed), "{failed} attempts in a second");
@@ -196,36 +194,36 @@ fn a_chip_that_fails_is_asked_again_now_and_then_and_does_not_hold_up_the_other(
 
 #[test]
 fn a_lost_gyroscope_is_noticed_though_the_other_chip_keeps_asking_for_runs() {
-    let mut bench = Bench::armed(short_warm_up());
-    bench.milliseconds(6_000, gusty);
+    let mut rig = Rig::armed(short_warm_up());
+    rig.milliseconds(6_000, gusty);
     for step in 0..40u64 {
-        bench.now += 10_000;
-        let now = at_micros(bench.now);
+        rig.now += 10_000;
+        let now = at_micros(rig.now);
         let sample = force([(step as i16 % 2) * 8000, 0, -8000], Cause::Threshold);
-        let _ = bench.autopilot.on_chip(now, &sample);
-        bench.autopilot.on_hyperperiod(now);
+        let _ = rig.autopilot.on_chip(now, &sample);
+        rig.autopilot.on_hyperperiod(now);
     }
     assert!(
-        matches!(bench.phase(), Phase::Fallback(_)),
+        matches!(rig.phase(), Phase::Fallback(_)),
         "{:?}",
-        bench.phase()
+        rig.phase()
     );
-    assert_eq!(bench.autopilot.faults(Fault::ImuSilent), 1);
+    assert_eq!(rig.autopilot.faults(Fault::ImuSilent), 1);
 }
 
 #[test]
 fn without_a_gyroscope_no_torque_is_held() {
-    let mut bench = Bench::armed(short_warm_up());
+    let mut rig = Rig::armed(short_warm_up());
     // A little noise: a sensor that repeats itself is taken for stuck.
-    bench.milliseconds(6_000, |now| Some(300 + (now / 1000 % 3) as i16));
-    let turning = bench.outputs.last().expect("runs").1;
+    rig.milliseconds(6_000, |now| Some(300 + (now / 1000 % 3) as i16));
+    let turning = rig.outputs.last().expect("runs").1;
     assert!(
         turning
             .iter()
             .any(|share| (share - turning[0]).abs() > 0.01)
     );
-    bench.milliseconds(500, |_| None);
-    let blind = bench.outputs.last().expect("runs").1;
+    rig.milliseconds(500, |_| None);
+    let blind = rig.outputs.last().expect("runs").1;
     assert!(
         blind.iter().all(|share| (share - blind[0]).abs() < 1e-6),
         "{blind:?}"
@@ -235,102 +233,102 @@ fn without_a_gyroscope_no_torque_is_held() {
 
 #[test]
 fn a_new_flight_does_not_begin_with_the_thrust_of_the_last() {
-    let mut bench = Bench::armed(SETTINGS);
-    bench.milliseconds(100, |_| Some(0));
-    bench.tell(&Message::Arm(false));
-    bench.tell(&Message::Arm(true));
-    bench.milliseconds(10, |_| Some(0));
-    let shares = bench.outputs.last().expect("runs").1;
+    let mut rig = Rig::armed(SETTINGS);
+    rig.milliseconds(100, |_| Some(0));
+    rig.tell(&Message::Arm(false));
+    rig.tell(&Message::Arm(true));
+    rig.milliseconds(10, |_| Some(0));
+    let shares = rig.outputs.last().expect("runs").1;
     assert!(shares.iter().all(|share| *share < 0.1), "{shares:?}");
 }
 
 #[test]
 fn a_disarm_stops_the_motors_without_waiting_for_a_sample() {
-    let mut bench = Bench::armed(SETTINGS);
-    bench.milliseconds(100, |_| Some(0));
-    let now = at_micros(bench.now);
-    let (next, answer) = bench.autopilot.on_message(now, &Message::Arm(false));
+    let mut rig = Rig::armed(SETTINGS);
+    rig.milliseconds(100, |_| Some(0));
+    let now = at_micros(rig.now);
+    let (next, answer) = rig.autopilot.on_message(now, &Message::Arm(false));
     assert_eq!((next, answer), (Next::Hyperperiod, Some(Answer::Accepted)));
-    let output = bench.autopilot.on_hyperperiod(now).expect("a run");
+    let output = rig.autopilot.on_hyperperiod(now).expect("a run");
     assert!(stopped(&output.share()));
 }
 
 #[test]
 fn a_drone_on_its_side_is_not_armed() {
-    let mut bench = Bench::new(SETTINGS);
+    let mut rig = Rig::new(SETTINGS);
     let on_its_side = ImuReading {
         force: SpecificForce(Vec3::new(0.0, -GRAVITY, 0.0)),
         ..turning(0)
     };
     for _ in 0..1000 {
-        bench.now += 1000;
-        let now = at_micros(bench.now);
-        let _ = bench.autopilot.on_imu(now, &on_its_side);
-        let _ = bench.autopilot.on_hyperperiod(now);
+        rig.now += 1000;
+        let now = at_micros(rig.now);
+        let _ = rig.autopilot.on_imu(now, &on_its_side);
+        let _ = rig.autopilot.on_hyperperiod(now);
     }
     assert_eq!(
-        bench.tell(&Message::Arm(true)),
+        rig.tell(&Message::Arm(true)),
         Some(Answer::TemporarilyRejected)
     );
 }
 
 #[test]
 fn a_gyroscope_lost_on_the_ground_is_calibrated_anew_and_from_the_start() {
-    let mut bench = Bench::new(SETTINGS);
-    bench.milliseconds(1_000, |_| Some(0));
-    bench.milliseconds(500, |_| None);
-    bench.milliseconds(100, |_| Some(0));
+    let mut rig = Rig::new(SETTINGS);
+    rig.milliseconds(1_000, |_| Some(0));
+    rig.milliseconds(500, |_| None);
+    rig.milliseconds(100, |_| Some(0));
     assert_eq!(
-        bench.tell(&Message::Arm(true)),
+        rig.tell(&Message::Arm(true)),
         Some(Answer::TemporarilyRejected)
     );
-    bench.milliseconds(600, |_| Some(0));
-    assert_eq!(bench.tell(&Message::Arm(true)), Some(Answer::Accepted));
+    rig.milliseconds(600, |_| Some(0));
+    assert_eq!(rig.tell(&Message::Arm(true)), Some(Answer::Accepted));
 }
 
 #[test]
 fn periodic_control_runs_at_its_period_and_learns_nothing() {
-    let mut bench = Bench::armed(Settings {
+    let mut rig = Rig::armed(Settings {
         policy: Policy::Periodic,
         period: micros(10_000),
         ..SETTINGS
     });
-    bench.milliseconds(20, gusty);
-    let before = bench.outputs.len();
-    bench.milliseconds(5_000, gusty);
-    assert_eq!(bench.outputs.len() - before, 500);
-    assert_eq!(bench.autopilot.fit(Input::Gyro), Fit::Unfit);
+    rig.milliseconds(20, gusty);
+    let before = rig.outputs.len();
+    rig.milliseconds(5_000, gusty);
+    assert_eq!(rig.outputs.len() - before, 500);
+    assert_eq!(rig.autopilot.fit(Input::Gyro), Fit::Unfit);
 }
 
 #[test]
 fn a_silent_peer_leaves_the_drone_level() {
-    let mut bench = Bench::armed(SETTINGS);
-    bench.milliseconds(3_000, gusty);
+    let mut rig = Rig::armed(SETTINGS);
+    rig.milliseconds(3_000, gusty);
     let mut lost = false;
-    while let Some(event) = bench.autopilot.next_event() {
+    while let Some(event) = rig.autopilot.next_event() {
         lost |= event == Event::SetpointLost;
     }
     // The queue is short and full of runs: the setpoint itself shows it too.
-    let level = bench.autopilot.graph.setpoint().attitude;
+    let level = rig.autopilot.graph.setpoint().attitude;
     assert!(lost || level == Some(crate::math::Quaternion::IDENTITY));
 }
 
 #[test]
 fn the_recorded_calls_give_the_same_commands_bit_for_bit() {
-    let mut bench = Bench::armed(short_warm_up());
-    bench.milliseconds(8_000, gusty);
+    let mut rig = Rig::armed(short_warm_up());
+    rig.milliseconds(8_000, gusty);
     let mut again = Autopilot::with_logic(short_warm_up(), Vec::new(), Cascade::default());
-    for stamped in bench.autopilot.recorder().iter() {
+    for stamped in rig.autopilot.recorder().iter() {
         stamped.call.replay(stamped.at, &mut again);
     }
-    assert!(bench.autopilot.recorder() == again.recorder());
+    assert!(rig.autopilot.recorder() == again.recorder());
 }
 
 #[test]
 fn every_recorded_call_survives_its_bytes() {
-    let mut bench = Bench::armed(short_warm_up());
-    bench.milliseconds(6_000, gusty);
-    for stamped in bench.autopilot.recorder().iter() {
+    let mut rig = Rig::armed(short_warm_up());
+    rig.milliseconds(6_000, gusty);
+    for stamped in rig.autopilot.recorder().iter() {
         let mut buffer = [0; LONGEST_RECORD];
         let bytes = stamped.encode(&mut buffer);
         assert_eq!(Stamped::decode(bytes), Ok((*stamped, bytes.len())));

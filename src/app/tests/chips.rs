@@ -3,14 +3,14 @@
 use super::*;
 
 /// Orders of the chips within a time, each carried out at once.
-fn orders(bench: &mut Bench, milliseconds: u64) -> Vec<ChipOrder> {
+fn orders(rig: &mut Rig, milliseconds: u64) -> Vec<ChipOrder> {
     let mut given = Vec::new();
     for _ in 0..milliseconds {
-        bench.milliseconds(1, gusty);
-        let now = at_micros(bench.now);
-        while let Some(order) = bench.autopilot.next_order() {
+        rig.milliseconds(1, gusty);
+        let now = at_micros(rig.now);
+        while let Some(order) = rig.autopilot.next_order() {
             given.push(order);
-            let field = Vec3::new(0.2, 0.0, 0.4 + bench.now as f32 * 1e-9);
+            let field = Vec3::new(0.2, 0.0, 0.4 + rig.now as f32 * 1e-9);
             let cause = match order.action {
                 ChipAction::Rearm | ChipAction::Read => Cause::Rearm,
                 _ => Cause::Heartbeat,
@@ -20,9 +20,9 @@ fn orders(bench: &mut Bench, milliseconds: u64) -> Vec<ChipOrder> {
                 axes: field,
                 cause,
             };
-            let _ = bench.autopilot.on_chip(now, &sample);
+            let _ = rig.autopilot.on_chip(now, &sample);
             let setting = obeyed(order);
-            bench.autopilot.on_order_done(now, order, Ok(setting));
+            rig.autopilot.on_order_done(now, order, Ok(setting));
         }
     }
     given
@@ -33,27 +33,27 @@ fn count(orders: &[ChipOrder], input: Input, of: fn(ChipAction) -> bool) -> usiz
     orders.iter().filter(is).count()
 }
 
-/// A bench whose accelerometer chip has a model with this threshold, and whose chips obey.
-fn with_threshold(change: f32) -> Bench {
-    let mut bench = Bench::armed(short_warm_up());
-    orders(&mut bench, 5_000);
-    assert_eq!(bench.phase(), Phase::Reactive);
+/// A rig whose accelerometer chip has a model with this threshold, and whose chips obey.
+fn with_threshold(change: f32) -> Rig {
+    let mut rig = Rig::armed(short_warm_up());
+    orders(&mut rig, 5_000);
+    assert_eq!(rig.phase(), Phase::Reactive);
     let b1 = SETTINGS.p_run.ln() - (1.0 - SETTINGS.p_run).ln() - 10.0 * change;
     let fit = Fit::Model(crate::reactive::Logistic { b1, b2: 10.0 });
     let refit = Refit {
         input: Input::ChipAccel,
         fit,
     };
-    bench.autopilot.on_refit(at_micros(bench.now), refit);
-    orders(&mut bench, 150);
-    bench
+    rig.autopilot.on_refit(at_micros(rig.now), refit);
+    orders(&mut rig, 150);
+    rig
 }
 
 #[test]
 fn a_closed_chip_is_not_rearmed_and_read_only_before_its_heartbeat() {
-    let mut bench = Bench::armed(short_warm_up());
-    orders(&mut bench, 5_000);
-    let given = orders(&mut bench, 2_000);
+    let mut rig = Rig::armed(short_warm_up());
+    orders(&mut rig, 5_000);
+    let given = orders(&mut rig, 2_000);
     let rearm = |action| action == ChipAction::Rearm;
     assert_eq!(count(&given, Input::ChipAccel, rearm), 0);
     let read = |action| action == ChipAction::Read;
@@ -63,10 +63,10 @@ fn a_closed_chip_is_not_rearmed_and_read_only_before_its_heartbeat() {
 
 #[test]
 fn an_open_chip_is_rearmed_at_runs_and_no_more_often_than_it_samples() {
-    let mut bench = with_threshold(1.0);
-    let runs = bench.outputs.len();
-    let given = orders(&mut bench, 200);
-    let runs = bench.outputs.len() - runs;
+    let mut rig = with_threshold(1.0);
+    let runs = rig.outputs.len();
+    let given = orders(&mut rig, 200);
+    let runs = rig.outputs.len() - runs;
     let rearms = count(&given, Input::ChipAccel, |action| {
         action == ChipAction::Rearm
     });
@@ -78,11 +78,11 @@ fn an_open_chip_is_rearmed_at_runs_and_no_more_often_than_it_samples() {
 
 #[test]
 fn a_threshold_finer_than_a_code_holds_the_finest_and_not_data_ready() {
-    let mut bench = with_threshold(0.001);
-    let given = orders(&mut bench, 10);
+    let mut rig = with_threshold(0.001);
+    let given = orders(&mut rig, 10);
     let every = |action| action == ChipAction::DataReady;
     assert_eq!(count(&given, Input::ChipAccel, every), 0);
-    let told = bench.autopilot.recorder().iter().rev().find_map(|stamped| {
+    let told = rig.autopilot.recorder().iter().rev().find_map(|stamped| {
         let Call::OrderDone(order, Ok(setting)) = stamped.call else {
             return None;
         };
@@ -97,13 +97,13 @@ fn a_threshold_finer_than_a_code_holds_the_finest_and_not_data_ready() {
 
 #[test]
 fn periodic_control_reads_the_magnetometer_for_the_estimator_and_the_other_chip_not_at_all() {
-    let mut bench = Bench::armed(Settings {
+    let mut rig = Rig::armed(Settings {
         policy: Policy::Periodic,
         period: micros(2_500),
         ..SETTINGS
     });
-    orders(&mut bench, 500);
-    let given = orders(&mut bench, 1_000);
+    orders(&mut rig, 500);
+    let given = orders(&mut rig, 1_000);
     let reads = count(&given, Input::ChipMag, |action| action == ChipAction::Read);
     assert!((40..=50).contains(&reads), "{reads} in a second");
     let others = |action| !matches!(action, ChipAction::Read | ChipAction::Heartbeat);
@@ -114,16 +114,16 @@ fn periodic_control_reads_the_magnetometer_for_the_estimator_and_the_other_chip_
 
 /// The chip sees the drone moved, so long after now: the run that this alone led to, and how long
 /// after that. No sample of the inertial sensor comes between.
-fn run_of_a_crossing(bench: &mut Bench, after_us: u64) -> (Ran, u64) {
-    let at = at_micros(bench.now + after_us);
+fn run_of_a_crossing(rig: &mut Rig, after_us: u64) -> (Ran, u64) {
+    let at = at_micros(rig.now + after_us);
     let moved = force([8_000, 0, -8192], Cause::Threshold);
-    let Next::HyperperiodAt(due) = bench.autopilot.on_chip(at, &moved) else {
+    let Next::HyperperiodAt(due) = rig.autopilot.on_chip(at, &moved) else {
         panic!("a crossing asks for a run");
     };
     let due = due.max(at);
-    let output = bench.autopilot.on_hyperperiod(due);
+    let output = rig.autopilot.on_hyperperiod(due);
     assert!(output.is_some(), "control runs");
-    let last = bench.autopilot.recorder().last().expect("a call").call;
+    let last = rig.autopilot.recorder().last().expect("a call").call;
     let Call::Ran(ran) = last else {
         panic!("{last:?}");
     };
@@ -135,8 +135,8 @@ fn steady(now: u64) -> Option<i16> {
     Some((now / 1000 % 3) as i16)
 }
 
-fn check_that_a_crossing_runs_control(mut bench: Bench, after_us: u64) {
-    let (ran, waited_us) = run_of_a_crossing(&mut bench, after_us);
+fn check_that_a_crossing_runs_control(mut rig: Rig, after_us: u64) {
+    let (ran, waited_us) = run_of_a_crossing(&mut rig, after_us);
     let asked = Inputs::NONE.with(Input::ChipAccel);
     assert_eq!((ran.reason, ran.asked), (Reason::Trigger, asked));
     let bound = (HYPERPERIOD * 3 / 2).ticks();
@@ -146,27 +146,27 @@ fn check_that_a_crossing_runs_control(mut bench: Bench, after_us: u64) {
 #[test]
 fn with_an_inertial_sensor_at_a_tenth_of_its_rate_a_crossing_calls_control() {
     for after_us in [100, 1_000, 4_000, 9_000] {
-        let mut bench = with_threshold(1.0);
-        bench.milliseconds(100, |now| steady(now).filter(|_| now % 10_000 == 0));
-        check_that_a_crossing_runs_control(bench, after_us);
+        let mut rig = with_threshold(1.0);
+        rig.milliseconds(100, |now| steady(now).filter(|_| now % 10_000 == 0));
+        check_that_a_crossing_runs_control(rig, after_us);
     }
 }
 
 #[test]
 fn with_an_inertial_sensor_that_repeats_its_sample_a_crossing_calls_control() {
-    let mut bench = with_threshold(1.0);
-    bench.milliseconds(50, |_| Some(1));
-    check_that_a_crossing_runs_control(bench, 300);
+    let mut rig = with_threshold(1.0);
+    rig.milliseconds(50, |_| Some(1));
+    check_that_a_crossing_runs_control(rig, 300);
 }
 
 #[test]
 fn with_an_inertial_sensor_that_delivers_late_a_crossing_calls_control_and_the_sample_counts() {
-    let mut bench = with_threshold(1.0);
-    bench.milliseconds(50, steady);
-    let stamped = at_micros(bench.now + 1_000);
-    let (ran, waited_us) = run_of_a_crossing(&mut bench, 8_000);
+    let mut rig = with_threshold(1.0);
+    rig.milliseconds(50, steady);
+    let stamped = at_micros(rig.now + 1_000);
+    let (ran, waited_us) = run_of_a_crossing(&mut rig, 8_000);
     assert_eq!((ran.asked.sole(), waited_us), (Some(Input::ChipAccel), 0));
-    let next = bench.autopilot.on_imu(stamped, &turning(2));
-    assert_eq!(bench.autopilot.faults(Fault::ImuJump), 0);
+    let next = rig.autopilot.on_imu(stamped, &turning(2));
+    assert_eq!(rig.autopilot.faults(Fault::ImuJump), 0);
     assert_eq!(next, Next::Wait, "it asks for nothing");
 }

@@ -50,28 +50,28 @@ proptest! {
             ..SETTINGS
         };
         let mut random = oorandom::Rand32::new(seed);
-        let mut bench = Bench::armed(settings);
-        bench.outputs.clear();
-        let began = bench.now;
+        let mut rig = Rig::armed(settings);
+        rig.outputs.clear();
+        let began = rig.now;
         for (length, spell) in spells {
             for _ in 0..length {
-                bench.milliseconds(1, |_| rate(spell, &mut random));
+                rig.milliseconds(1, |_| rate(spell, &mut random));
                 if chip_asks && random.rand_u32() >> 22 == 0 {
                     let sample = force([random.rand_u32() as i16, 0, -8192], Cause::Threshold);
-                    let now = at_micros(bench.now);
-                    let _ = bench.autopilot.on_chip(now, &sample);
-                    if let Some(output) = bench.autopilot.on_hyperperiod(now) {
-                        bench.outputs.push((bench.now, output.share()));
+                    let now = at_micros(rig.now);
+                    let _ = rig.autopilot.on_chip(now, &sample);
+                    if let Some(output) = rig.autopilot.on_hyperperiod(now) {
+                        rig.outputs.push((rig.now, output.share()));
                     }
                 }
             }
         }
-        let ends = core::iter::once(began).chain(bench.outputs.iter().map(|(at, _)| *at));
-        let ends: Vec<u64> = ends.chain(core::iter::once(bench.now)).collect();
+        let ends = core::iter::once(began).chain(rig.outputs.iter().map(|(at, _)| *at));
+        let ends: Vec<u64> = ends.chain(core::iter::once(rig.now)).collect();
         let longest = ends.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
         let bound = settings.failsafe + HYPERPERIOD;
         prop_assert!(longest <= bound.ticks(), "{longest} us");
-        for (_, shares) in &bench.outputs {
+        for (_, shares) in &rig.outputs {
             prop_assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)));
         }
     }

@@ -33,7 +33,7 @@ fn timeout() -> u64 {
     SETPOINT_TIMEOUT.ticks() / 1000
 }
 
-impl<L: ControlLogic> Bench<L> {
+impl<L: ControlLogic> Rig<L> {
     /// Lets time pass, in which messages come every 20 ms.
     fn told(&mut self, milliseconds: u64, messages: &[Message]) {
         for _ in 0..milliseconds / 20 {
@@ -66,17 +66,17 @@ impl<L: ControlLogic> Bench<L> {
 }
 
 /// Armed, and on its way to a goal of 5 m to the north.
-fn under_way<L: ControlLogic>(logic: L) -> Bench<L> {
-    let mut bench = Bench::with_logic(SETTINGS, logic).readied();
-    bench.told(20, &[pose(0.0, None)]);
-    bench.told(200, &[pose(0.0, None), goal(5.0)]);
-    assert_eq!(bench.goal().map(|goal| goal.position.0.x), Some(5.0));
-    bench
+fn under_way<L: ControlLogic>(logic: L) -> Rig<L> {
+    let mut rig = Rig::with_logic(SETTINGS, logic).readied();
+    rig.told(20, &[pose(0.0, None)]);
+    rig.told(200, &[pose(0.0, None), goal(5.0)]);
+    assert_eq!(rig.goal().map(|goal| goal.position.0.x), Some(5.0));
+    rig
 }
 
 /// How much the shares of the front motors fall short of those behind.
-fn leaning_forward<L>(bench: &Bench<L>) -> f32 {
-    let shares = bench.outputs.last().expect("runs").1;
+fn leaning_forward<L>(rig: &Rig<L>) -> f32 {
+    let shares = rig.outputs.last().expect("runs").1;
     let [_, pitch, _] = crate::config::GEOMETRY.allocation();
     let arms = shares.iter().zip(pitch);
     arms.map(|(share, pitch)| -share * pitch.signum()).sum()
@@ -84,9 +84,9 @@ fn leaning_forward<L>(bench: &Bench<L>) -> f32 {
 
 fn a_goal_ahead_leans_forward<L: ControlLogic + Default>() {
     let without_goal = {
-        let mut bench = Bench::with_logic(SETTINGS, L::default()).readied();
-        bench.told(220, &[pose(0.0, None)]);
-        leaning_forward(&bench)
+        let mut rig = Rig::with_logic(SETTINGS, L::default()).readied();
+        rig.told(220, &[pose(0.0, None)]);
+        leaning_forward(&rig)
     };
     let with_goal = leaning_forward(&under_way(L::default()));
     assert!(
@@ -104,11 +104,11 @@ fn a_goal_ahead_leans_every_logic_with_position_loops_forward() {
 
 #[test]
 fn places_carry_the_time_since_the_one_before_unless_that_is_long_ago() {
-    let mut bench = Bench::with_logic(SETTINGS, OpenPilot::default());
+    let mut rig = Rig::with_logic(SETTINGS, OpenPilot::default());
     let mut dt_after = |milliseconds| {
-        bench.milliseconds(milliseconds, gusty);
-        bench.tell(&pose(0.0, None));
-        bench.autopilot.graph.place().dt
+        rig.milliseconds(milliseconds, gusty);
+        rig.tell(&pose(0.0, None));
+        rig.autopilot.graph.place().dt
     };
     assert_eq!(dt_after(700), 0.0, "the first");
     assert_eq!(dt_after(20), 0.02);
@@ -123,15 +123,15 @@ fn in_reactive_control_a_place_joins_and_what_is_owed_for_it_asks_for_the_run() 
         triggers: Inputs::ALL.without(Input::Command),
         ..short_warm_up()
     };
-    let mut bench = Bench::with_logic(owing, OpenPilot::default()).readied();
-    bench.told(6_000, &[pose(0.0, None), goal(0.0)]);
-    assert_eq!(bench.phase(), Phase::Reactive);
-    bench.milliseconds(3, |_| Some(0));
-    let before = bench.autopilot.recorder().len();
-    bench.tell(&pose(-3.0, None));
-    assert_eq!(bench.autopilot.recorder().len(), before + 1, "no run yet");
-    bench.milliseconds(5, |_| Some(0));
-    let ran = bench.autopilot.recorder()[before..]
+    let mut rig = Rig::with_logic(owing, OpenPilot::default()).readied();
+    rig.told(6_000, &[pose(0.0, None), goal(0.0)]);
+    assert_eq!(rig.phase(), Phase::Reactive);
+    rig.milliseconds(3, |_| Some(0));
+    let before = rig.autopilot.recorder().len();
+    rig.tell(&pose(-3.0, None));
+    assert_eq!(rig.autopilot.recorder().len(), before + 1, "no run yet");
+    rig.milliseconds(5, |_| Some(0));
+    let ran = rig.autopilot.recorder()[before..]
         .iter()
         .find_map(|stamped| match stamped.call {
             Call::Ran(ran) => Some(ran),
@@ -144,7 +144,7 @@ fn in_reactive_control_a_place_joins_and_what_is_owed_for_it_asks_for_the_run() 
 
 #[test]
 fn in_reactive_control_a_goal_past_its_quantum_forces_a_run() {
-    let mut bench = Bench::with_logic(
+    let mut rig = Rig::with_logic(
         Settings {
             triggers: Inputs::NONE.with(Input::Gyro),
             ..short_warm_up()
@@ -152,13 +152,13 @@ fn in_reactive_control_a_goal_past_its_quantum_forces_a_run() {
         OpenPilot::default(),
     )
     .readied();
-    bench.told(6_000, &[pose(0.0, None), goal(0.0)]);
+    rig.told(6_000, &[pose(0.0, None), goal(0.0)]);
     let mut forces = |north| {
-        bench.milliseconds(1, gusty);
-        let runs = bench.reasons().len();
-        bench.tell(&goal(north));
-        bench.milliseconds(1, gusty);
-        bench.reasons()[runs..].contains(&Reason::Setpoint)
+        rig.milliseconds(1, gusty);
+        let runs = rig.reasons().len();
+        rig.tell(&goal(north));
+        rig.milliseconds(1, gusty);
+        rig.reasons()[runs..].contains(&Reason::Setpoint)
     };
     assert!(!forces(0.0));
     assert!(!forces(0.9 * SETPOINT_POSITION_QUANTUM));
@@ -168,9 +168,9 @@ fn in_reactive_control_a_goal_past_its_quantum_forces_a_run() {
 #[test]
 fn the_cascade_takes_no_goal_and_flies_as_without() {
     let flown = |messages: &[Message]| {
-        let mut bench = Bench::with_logic(SETTINGS, Cascade::default()).readied();
-        bench.told(2 * timeout(), messages);
-        (bench.autopilot.faults(Fault::Goal), bench.outputs)
+        let mut rig = Rig::with_logic(SETTINGS, Cascade::default()).readied();
+        rig.told(2 * timeout(), messages);
+        (rig.autopilot.faults(Fault::Goal), rig.outputs)
     };
     let (refused, outputs) = flown(&[pose(0.0, None), goal(5.0)]);
     assert_eq!(refused, u32::try_from(timeout() / 10).expect("few"));
@@ -183,154 +183,148 @@ fn the_cascade_takes_no_goal_and_flies_as_without() {
 
 #[test]
 fn a_goal_without_a_fresh_place_is_refused_and_the_setpoint_keeps_its_timeout() {
-    let mut bench = Bench::with_logic(SETTINGS, OpenPilot::default()).readied();
-    bench.tell(&goal(5.0));
-    assert_eq!(
-        (bench.goal(), bench.autopilot.faults(Fault::Goal)),
-        (None, 1)
-    );
-    bench.told(20, &[pose(0.0, None)]);
-    assert_eq!(bench.watched(timeout() + 200, &[], Event::SetpointLost), 1);
-    bench.tell(&goal(5.0));
-    assert_eq!(bench.goal(), None, "the place is too old by now");
+    let mut rig = Rig::with_logic(SETTINGS, OpenPilot::default()).readied();
+    rig.tell(&goal(5.0));
+    assert_eq!((rig.goal(), rig.autopilot.faults(Fault::Goal)), (None, 1));
+    rig.told(20, &[pose(0.0, None)]);
+    assert_eq!(rig.watched(timeout() + 200, &[], Event::SetpointLost), 1);
+    rig.tell(&goal(5.0));
+    assert_eq!(rig.goal(), None, "the place is too old by now");
 }
 
 #[test]
 fn where_places_stop_a_goal_ends_level_at_the_thrust_last_commanded() {
-    let mut bench = under_way(OpenPilot::default());
+    let mut rig = under_way(OpenPilot::default());
     let higher = Message::Goal(Destination {
         position: Position(Vec3::new(5.0, 0.0, -11.0)),
         ..destination(5.0)
     });
-    bench.told(20, &[pose(0.0, None), higher]);
-    bench.told(timeout() - 100, &[higher]);
-    let thrust = bench.autopilot.graph.collective();
-    assert_ne!(thrust, bench.autopilot.graph.flown().thrust);
-    assert!(bench.goal().is_some());
-    assert_eq!(bench.watched(300, &[higher], Event::PlaceLost), 1);
-    assert_eq!(bench.goal(), None);
-    assert_eq!(*bench.autopilot.graph.flown(), Setpoint::level(thrust));
-    bench.told(100, &[higher]);
-    assert_eq!(bench.goal(), None, "until places come again");
-    bench.told(40, &[pose(0.0, None), higher]);
-    assert!(bench.goal().is_some());
+    rig.told(20, &[pose(0.0, None), higher]);
+    rig.told(timeout() - 100, &[higher]);
+    let thrust = rig.autopilot.graph.collective();
+    assert_ne!(thrust, rig.autopilot.graph.flown().thrust);
+    assert!(rig.goal().is_some());
+    assert_eq!(rig.watched(300, &[higher], Event::PlaceLost), 1);
+    assert_eq!(rig.goal(), None);
+    assert_eq!(*rig.autopilot.graph.flown(), Setpoint::level(thrust));
+    rig.told(100, &[higher]);
+    assert_eq!(rig.goal(), None, "until places come again");
+    rig.told(40, &[pose(0.0, None), higher]);
+    assert!(rig.goal().is_some());
 }
 
 #[test]
 fn a_silent_peer_leaves_the_last_goal_held_as_long_as_places_come() {
-    let mut bench = under_way(OpenPilot::default());
+    let mut rig = under_way(OpenPilot::default());
     let moving = Destination {
         velocity: Velocity(Vec3::new(2.0, 0.0, 0.0)),
         ..destination(5.0)
     };
-    bench.told(20, &[pose(0.0, None), Message::Goal(moving)]);
-    let flown = bench.goal().expect("flown");
+    rig.told(20, &[pose(0.0, None), Message::Goal(moving)]);
+    let flown = rig.goal().expect("flown");
     assert_eq!(flown.velocity, moving.velocity);
     let places = [pose(0.0, None)];
-    assert_eq!(bench.watched(5 * timeout(), &places, Event::GoalHeld), 1);
+    assert_eq!(rig.watched(5 * timeout(), &places, Event::GoalHeld), 1);
     let held = crate::control::Goal {
         velocity: Velocity::default(),
         ..flown
     };
-    assert_eq!(bench.goal(), Some(held), "it no longer moves");
-    assert_eq!(bench.watched(2 * timeout(), &[], Event::PlaceLost), 1);
-    assert_eq!(bench.goal(), None);
+    assert_eq!(rig.goal(), Some(held), "it no longer moves");
+    assert_eq!(rig.watched(2 * timeout(), &[], Event::PlaceLost), 1);
+    assert_eq!(rig.goal(), None);
 }
 
 #[test]
 fn the_newest_demand_counts() {
-    let mut bench = under_way(OpenPilot::default());
+    let mut rig = under_way(OpenPilot::default());
     let level = Setpoint::level(Thrust::new(0.4).expect("in range"));
-    bench.told(20, &[pose(0.0, None), Message::Setpoint(level)]);
-    assert_eq!(bench.goal(), None);
-    assert_eq!(bench.autopilot.graph.collective(), level.thrust);
-    bench.told(20, &[pose(0.0, None), goal(7.0)]);
-    assert_eq!(bench.goal().map(|goal| goal.position.0.x), Some(7.0));
+    rig.told(20, &[pose(0.0, None), Message::Setpoint(level)]);
+    assert_eq!(rig.goal(), None);
+    assert_eq!(rig.autopilot.graph.collective(), level.thrust);
+    rig.told(20, &[pose(0.0, None), goal(7.0)]);
+    assert_eq!(rig.goal().map(|goal| goal.position.0.x), Some(7.0));
     // Goals keep it alive in the setpoint's stead.
     let alive = [pose(0.0, None), goal(7.0)];
-    assert_eq!(bench.watched(2 * timeout(), &alive, Event::SetpointLost), 0);
+    assert_eq!(rig.watched(2 * timeout(), &alive, Event::SetpointLost), 0);
 }
 
 #[test]
 fn without_a_heading_the_one_at_the_beginning_is_kept() {
-    let mut bench = Bench::with_logic(SETTINGS, OpenPilot::default()).readied();
-    bench.told(3_000, &[pose(0.0, Some(0.6))]);
-    let heading = bench.autopilot.graph.estimate().heading();
+    let mut rig = Rig::with_logic(SETTINGS, OpenPilot::default()).readied();
+    rig.told(3_000, &[pose(0.0, Some(0.6))]);
+    let heading = rig.autopilot.graph.estimate().heading();
     assert!(heading > 0.01, "the estimate follows slowly: {heading}");
-    bench.tell(&goal(5.0));
-    assert_eq!(bench.goal().map(|goal| goal.heading), Some(heading));
-    bench.told(3_000, &[pose(0.0, Some(-0.6)), goal(6.0)]);
-    assert_eq!(bench.goal().map(|goal| goal.heading), Some(heading));
+    rig.tell(&goal(5.0));
+    assert_eq!(rig.goal().map(|goal| goal.heading), Some(heading));
+    rig.told(3_000, &[pose(0.0, Some(-0.6)), goal(6.0)]);
+    assert_eq!(rig.goal().map(|goal| goal.heading), Some(heading));
     let turned = Destination {
         heading: Some(-0.6),
         ..destination(6.0)
     };
-    bench.tell(&Message::Goal(turned));
-    assert_eq!(bench.goal().map(|goal| goal.heading), Some(-0.6));
+    rig.tell(&Message::Goal(turned));
+    assert_eq!(rig.goal().map(|goal| goal.heading), Some(-0.6));
 }
 
 #[test]
 fn disarming_ends_the_goal() {
-    let mut bench = under_way(OpenPilot::default());
-    bench.tell(&Message::Arm(false));
-    assert_eq!(bench.goal(), None);
-    assert_eq!(*bench.autopilot.graph.flown(), Setpoint::default());
+    let mut rig = under_way(OpenPilot::default());
+    rig.tell(&Message::Arm(false));
+    assert_eq!(rig.goal(), None);
+    assert_eq!(*rig.autopilot.graph.flown(), Setpoint::default());
 }
 
 #[test]
 fn on_the_ground_a_goal_that_nobody_repeats_is_forgotten() {
-    let mut bench = under_way(OpenPilot::default());
-    bench.tell(&Message::Arm(false));
-    bench.told(40, &[pose(0.0, None), goal(5.0)]);
-    assert!(bench.goal().is_some());
+    let mut rig = under_way(OpenPilot::default());
+    rig.tell(&Message::Arm(false));
+    rig.told(40, &[pose(0.0, None), goal(5.0)]);
+    assert!(rig.goal().is_some());
     let places = [pose(0.0, None)];
     assert_eq!(
-        bench.watched(timeout() + 200, &places, Event::SetpointLost),
+        rig.watched(timeout() + 200, &places, Event::SetpointLost),
         1
     );
-    assert_eq!(bench.goal(), None);
-    assert_eq!(*bench.autopilot.graph.flown(), Setpoint::default());
+    assert_eq!(rig.goal(), None);
+    assert_eq!(*rig.autopilot.graph.flown(), Setpoint::default());
 }
 
 #[test]
 fn goals_and_poses_that_are_no_numbers_are_counted_and_reach_nothing() {
-    let mut bench = under_way(OpenPilot::default());
-    let (before, place) = (bench.goal(), *bench.autopilot.graph.place());
+    let mut rig = under_way(OpenPilot::default());
+    let (before, place) = (rig.goal(), *rig.autopilot.graph.place());
     let nowhere = Velocity(Vec3::new(0.0, f32::INFINITY, 0.0));
-    bench.tell(&goal(f32::NAN));
-    bench.tell(&Message::Goal(Destination {
+    rig.tell(&goal(f32::NAN));
+    rig.tell(&Message::Goal(Destination {
         velocity: nowhere,
         ..destination(0.0)
     }));
-    bench.tell(&Message::Goal(Destination {
+    rig.tell(&Message::Goal(Destination {
         heading: Some(f32::NAN),
         ..destination(0.0)
     }));
-    bench.tell(&pose(f32::NEG_INFINITY, None));
-    assert_eq!(bench.autopilot.faults(Fault::NotFinite), 4);
-    assert_eq!(
-        (bench.goal(), *bench.autopilot.graph.place()),
-        (before, place)
-    );
+    rig.tell(&pose(f32::NEG_INFINITY, None));
+    assert_eq!(rig.autopilot.faults(Fault::NotFinite), 4);
+    assert_eq!((rig.goal(), *rig.autopilot.graph.place()), (before, place));
 }
 
 #[test]
 fn a_recorded_flight_to_a_goal_gives_the_same_commands_bit_for_bit() {
-    let mut bench = Bench::with_logic(short_warm_up(), OpenPilot::default()).readied();
+    let mut rig = Rig::with_logic(short_warm_up(), OpenPilot::default()).readied();
     for step in 0..250u8 {
         let north = 0.02 * f32::from(step);
-        bench.told(20, &[pose(north, Some(0.1)), goal(north + 1.0)]);
+        rig.told(20, &[pose(north, Some(0.1)), goal(north + 1.0)]);
     }
-    assert_eq!(bench.phase(), Phase::Reactive);
-    bench.told(3_000, &[pose(5.0, None)]);
-    bench.told(3_000, &[]);
+    assert_eq!(rig.phase(), Phase::Reactive);
+    rig.told(3_000, &[pose(5.0, None)]);
+    rig.told(3_000, &[]);
     let mut again = Autopilot::with_logic(short_warm_up(), Vec::new(), OpenPilot::default());
-    for stamped in bench.autopilot.recorder().iter() {
+    for stamped in rig.autopilot.recorder().iter() {
         let mut buffer = [0; LONGEST_RECORD];
         let (read, _) = Stamped::decode(stamped.encode(&mut buffer)).expect("a record");
         read.call.replay(read.at, &mut again);
     }
-    assert!(bench.autopilot.recorder() == again.recorder());
+    assert!(rig.autopilot.recorder() == again.recorder());
 }
 
 proptest! {

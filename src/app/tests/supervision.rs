@@ -6,12 +6,12 @@ use crate::math::{Quaternion, Vec3};
 use crate::reactive::FallbackReason;
 use crate::units::BodyRates;
 
-/// A bench in reactive control.
-fn reactive(settings: Settings) -> Bench {
-    let mut bench = Bench::armed(settings);
-    bench.milliseconds(6_000, gusty);
-    assert_eq!(bench.phase(), Phase::Reactive);
-    bench
+/// A rig in reactive control.
+fn reactive(settings: Settings) -> Rig {
+    let mut rig = Rig::armed(settings);
+    rig.milliseconds(6_000, gusty);
+    assert_eq!(rig.phase(), Phase::Reactive);
+    rig
 }
 
 fn noise(now: u64) -> Option<i16> {
@@ -20,68 +20,68 @@ fn noise(now: u64) -> Option<i16> {
 
 #[test]
 fn a_stuck_gyroscope_is_noticed_within_two_failsafe_periods_and_forgiven_when_it_moves() {
-    let mut bench = reactive(short_warm_up());
-    bench.milliseconds(190, |_| Some(77));
-    assert_eq!(bench.phase(), Phase::Reactive);
-    bench.milliseconds(20, |_| Some(77));
-    assert_eq!(bench.phase(), Phase::Fallback(FallbackReason::ImuLost));
-    assert_eq!(bench.autopilot.faults(Fault::ImuStuck), 1);
-    let blind = bench.outputs.last().expect("runs").1;
+    let mut rig = reactive(short_warm_up());
+    rig.milliseconds(190, |_| Some(77));
+    assert_eq!(rig.phase(), Phase::Reactive);
+    rig.milliseconds(20, |_| Some(77));
+    assert_eq!(rig.phase(), Phase::Fallback(FallbackReason::ImuLost));
+    assert_eq!(rig.autopilot.faults(Fault::ImuStuck), 1);
+    let blind = rig.outputs.last().expect("runs").1;
     assert!(blind.iter().all(|share| (share - blind[0]).abs() < 1e-6));
-    bench.milliseconds(5, gusty);
-    assert_eq!(bench.phase(), Phase::WarmUp);
+    rig.milliseconds(5, gusty);
+    assert_eq!(rig.phase(), Phase::WarmUp);
 }
 
 #[test]
 fn aerobatics_are_flown_time_triggered_and_reactive_control_returns_after_them() {
-    let mut bench = reactive(short_warm_up());
+    let mut rig = reactive(short_warm_up());
     let mut flip = Setpoint::level(Thrust::new(0.5).expect("in range"));
     flip.rates = BodyRates(Vec3::new(-32.0, 0.0, 0.0));
-    bench.tell(&Message::Setpoint(flip));
-    assert_eq!(bench.phase(), Phase::Fallback(FallbackReason::Aerobatics));
-    let before = bench.outputs.len();
-    bench.milliseconds(100, gusty);
-    assert_eq!(bench.outputs.len() - before, 100, "runs at every sample");
-    bench.milliseconds(12_000, gusty);
-    assert_eq!(bench.phase(), Phase::Reactive);
+    rig.tell(&Message::Setpoint(flip));
+    assert_eq!(rig.phase(), Phase::Fallback(FallbackReason::Aerobatics));
+    let before = rig.outputs.len();
+    rig.milliseconds(100, gusty);
+    assert_eq!(rig.outputs.len() - before, 100, "runs at every sample");
+    rig.milliseconds(12_000, gusty);
+    assert_eq!(rig.phase(), Phase::Reactive);
 }
 
 #[test]
 fn a_slow_change_of_attitude_is_no_aerobatics() {
-    let mut bench = reactive(short_warm_up());
+    let mut rig = reactive(short_warm_up());
     for step in 0..50 {
         let roll = Vec3::new(0.02 * step as f32, 0.0, 0.0);
         let setpoint = Setpoint {
             attitude: Some(Quaternion::IDENTITY.turned_by(roll)),
             ..Setpoint::level(Thrust::new(0.5).expect("in range"))
         };
-        bench.tell(&Message::Setpoint(setpoint));
-        bench.milliseconds(20, gusty);
+        rig.tell(&Message::Setpoint(setpoint));
+        rig.milliseconds(20, gusty);
     }
-    assert_eq!(bench.phase(), Phase::Reactive);
+    assert_eq!(rig.phase(), Phase::Reactive);
 }
 
 #[test]
 fn runs_that_begin_late_time_and_again_end_reactive_control() {
-    let mut bench = reactive(short_warm_up());
+    let mut rig = reactive(short_warm_up());
     let mut late = 0;
     while late <= crate::config::LATE_RUNS {
-        bench.now += 1000;
-        let now = at_micros(bench.now);
-        let rate = gusty(bench.now).unwrap_or(0);
-        if bench.autopilot.on_imu(now, &turning(rate)) == Next::Hyperperiod {
+        rig.now += 1000;
+        let now = at_micros(rig.now);
+        let rate = gusty(rig.now).unwrap_or(0);
+        if rig.autopilot.on_imu(now, &turning(rate)) == Next::Hyperperiod {
             let too_late = now + HYPERPERIOD;
-            bench.autopilot.on_hyperperiod(too_late);
+            rig.autopilot.on_hyperperiod(too_late);
             late += 1;
         }
     }
-    assert_eq!(bench.phase(), Phase::Fallback(FallbackReason::Overrun));
-    assert!(bench.autopilot.faults(Fault::LateRun) > crate::config::LATE_RUNS);
+    assert_eq!(rig.phase(), Phase::Fallback(FallbackReason::Overrun));
+    assert!(rig.autopilot.faults(Fault::LateRun) > crate::config::LATE_RUNS);
 }
 
 #[test]
 fn models_that_the_flight_refutes_are_learned_again_from_scratch() {
-    let mut bench = reactive(Settings {
+    let mut rig = reactive(Settings {
         triggers: Inputs::NONE.with(Input::Gyro),
         p_run: 0.6,
         ..short_warm_up()
@@ -92,41 +92,38 @@ fn models_that_the_flight_refutes_are_learned_again_from_scratch() {
         input: Input::Gyro,
         fit: Fit::Model(wrong),
     };
-    bench.autopilot.on_refit(at_micros(bench.now), refit);
-    bench.milliseconds(400, noise);
-    assert_eq!(
-        bench.phase(),
-        Phase::Fallback(FallbackReason::FalsePositives)
-    );
-    assert_eq!(bench.autopilot.fit(Input::Gyro), Fit::Unfit);
-    assert!(bench.autopilot.outcomes(Outcome::FalsePositive) >= crate::config::JUDGED_RUNS);
-    bench.milliseconds(30_000, gusty);
-    assert_eq!(bench.phase(), Phase::Reactive);
+    rig.autopilot.on_refit(at_micros(rig.now), refit);
+    rig.milliseconds(400, noise);
+    assert_eq!(rig.phase(), Phase::Fallback(FallbackReason::FalsePositives));
+    assert_eq!(rig.autopilot.fit(Input::Gyro), Fit::Unfit);
+    assert!(rig.autopilot.outcomes(Outcome::FalsePositive) >= crate::config::JUDGED_RUNS);
+    rig.milliseconds(30_000, gusty);
+    assert_eq!(rig.phase(), Phase::Reactive);
 }
 
 #[test]
 fn beside_a_budget_sensors_that_ask_wrongly_are_silenced_and_reactive_control_goes_on() {
-    let mut bench = reactive(short_warm_up());
+    let mut rig = reactive(short_warm_up());
     let wrong = crate::reactive::Logistic { b1: 3.0, b2: 1.0 };
     let refit = crate::reactive::Refit {
         input: Input::Gyro,
         fit: Fit::Model(wrong),
     };
-    bench.autopilot.on_refit(at_micros(bench.now), refit);
-    let wrongly = bench.autopilot.outcomes(Outcome::FalsePositive);
-    bench.milliseconds(250, noise);
-    let wrongly = bench.autopilot.outcomes(Outcome::FalsePositive) - wrongly;
+    rig.autopilot.on_refit(at_micros(rig.now), refit);
+    let wrongly = rig.autopilot.outcomes(Outcome::FalsePositive);
+    rig.milliseconds(250, noise);
+    let wrongly = rig.autopilot.outcomes(Outcome::FalsePositive) - wrongly;
     assert!(wrongly > crate::config::JUDGED_RUNS / 4, "{wrongly}");
-    assert_eq!(bench.autopilot.fit(Input::Gyro), Fit::Unfit);
-    assert_eq!(bench.phase(), Phase::Reactive);
+    assert_eq!(rig.autopilot.fit(Input::Gyro), Fit::Unfit);
+    assert_eq!(rig.phase(), Phase::Reactive);
 }
 
 #[test]
 fn values_that_are_no_numbers_are_counted_and_reach_nothing() {
-    let mut bench = reactive(short_warm_up());
+    let mut rig = reactive(short_warm_up());
     let mut setpoint = Setpoint::level(Thrust::new(0.5).expect("in range"));
     setpoint.rates = BodyRates(Vec3::new(f32::NAN, 0.0, 0.0));
-    bench.tell(&Message::Setpoint(setpoint));
+    rig.tell(&Message::Setpoint(setpoint));
     let broken = crate::reactive::Logistic {
         b1: f32::NAN,
         b2: f32::INFINITY,
@@ -135,15 +132,15 @@ fn values_that_are_no_numbers_are_counted_and_reach_nothing() {
         input: Input::Turned,
         fit: Fit::Model(broken),
     };
-    bench.autopilot.on_refit(at_micros(bench.now), refit);
-    assert_eq!(bench.autopilot.faults(Fault::NotFinite), 2);
-    bench.milliseconds(1_000, gusty);
+    rig.autopilot.on_refit(at_micros(rig.now), refit);
+    assert_eq!(rig.autopilot.faults(Fault::NotFinite), 2);
+    rig.milliseconds(1_000, gusty);
     let finite = |shares: &MotorShares| shares.iter().all(|share| share.is_finite());
-    assert!(bench.outputs.iter().all(|(_, shares)| finite(shares)));
+    assert!(rig.outputs.iter().all(|(_, shares)| finite(shares)));
     assert!(
         Input::ALL
             .into_iter()
-            .all(|input| !bench.autopilot.threshold(input).is_nan())
+            .all(|input| !rig.autopilot.threshold(input).is_nan())
     );
 }
 
@@ -154,16 +151,16 @@ fn swaying(now: u64) -> Option<i16> {
 }
 
 /// Lets time pass with a chip that samples at 100 Hz and carries out its orders.
-fn with_chip(bench: &mut Bench, milliseconds: u64, mut counts: impl FnMut(u64) -> [i16; 3]) {
+fn with_chip(rig: &mut Rig, milliseconds: u64, mut counts: impl FnMut(u64) -> [i16; 3]) {
     for step in 0..milliseconds {
-        bench.milliseconds(1, swaying);
-        let now = at_micros(bench.now);
+        rig.milliseconds(1, swaying);
+        let now = at_micros(rig.now);
         if step % 10 == 0 {
-            let sample = force(counts(bench.now), Cause::DataReady);
-            let _ = bench.autopilot.on_chip(now, &sample);
+            let sample = force(counts(rig.now), Cause::DataReady);
+            let _ = rig.autopilot.on_chip(now, &sample);
         }
-        while let Some(order) = bench.autopilot.next_order() {
-            bench.autopilot.on_order_done(now, order, Ok(obeyed(order)));
+        while let Some(order) = rig.autopilot.next_order() {
+            rig.autopilot.on_order_done(now, order, Ok(obeyed(order)));
         }
     }
 }
@@ -183,14 +180,14 @@ fn moving(now: u64) -> [i16; 3] {
 
 #[test]
 fn a_chip_that_lost_its_threshold_is_programmed_within_two_failsafe_periods() {
-    let mut bench = Bench::armed(chip_needed());
-    with_chip(&mut bench, 12_000, moving);
+    let mut rig = Rig::armed(chip_needed());
+    with_chip(&mut rig, 12_000, moving);
     let mut reset_at = None;
     let mut armed_again_at = None;
     for _ in 0..2_000 {
-        bench.milliseconds(1, swaying);
-        let now = at_micros(bench.now);
-        while let Some(order) = bench.autopilot.next_order() {
+        rig.milliseconds(1, swaying);
+        let now = at_micros(rig.now);
+        while let Some(order) = rig.autopilot.next_order() {
             let lost = OrderError::ReadBack {
                 register: 0x32,
                 wrote: 9,
@@ -200,16 +197,16 @@ fn a_chip_that_lost_its_threshold_is_programmed_within_two_failsafe_periods() {
             let checks = accel && order.action == ChipAction::Heartbeat;
             let result = if checks && reset_at.is_none() {
                 // The chip was reset right after the last check.
-                reset_at = Some(bench.now - SETTINGS.failsafe.ticks());
+                reset_at = Some(rig.now - SETTINGS.failsafe.ticks());
                 Err(lost)
             } else {
                 Ok(obeyed(order))
             };
             let compares = matches!(order.action, ChipAction::Threshold(_));
             if accel && compares && reset_at.is_some() {
-                armed_again_at.get_or_insert(bench.now);
+                armed_again_at.get_or_insert(rig.now);
             }
-            bench.autopilot.on_order_done(now, order, result);
+            rig.autopilot.on_order_done(now, order, result);
         }
     }
     let (reset, armed) = (
@@ -225,33 +222,27 @@ fn a_chip_that_lost_its_threshold_is_programmed_within_two_failsafe_periods() {
 
 #[test]
 fn a_chip_that_repeats_itself_ends_reactive_control_where_its_model_counts() {
-    let mut bench = Bench::armed(chip_needed());
-    with_chip(&mut bench, 12_000, moving);
-    assert_eq!(bench.phase(), Phase::Reactive);
-    assert!(matches!(
-        bench.autopilot.fit(Input::ChipAccel),
-        Fit::Model(_)
-    ));
-    with_chip(&mut bench, 600, |_| [5, 5, -8192]);
-    assert_eq!(
-        bench.autopilot.faults(Fault::ChipStuck(Input::ChipAccel)),
-        1
-    );
-    assert_eq!(bench.phase(), Phase::Fallback(FallbackReason::SensorLost));
-    with_chip(&mut bench, 20_000, |_| [5, 5, -8192]);
-    assert_eq!(bench.phase(), Phase::Reactive, "it is flown without");
+    let mut rig = Rig::armed(chip_needed());
+    with_chip(&mut rig, 12_000, moving);
+    assert_eq!(rig.phase(), Phase::Reactive);
+    assert!(matches!(rig.autopilot.fit(Input::ChipAccel), Fit::Model(_)));
+    with_chip(&mut rig, 600, |_| [5, 5, -8192]);
+    assert_eq!(rig.autopilot.faults(Fault::ChipStuck(Input::ChipAccel)), 1);
+    assert_eq!(rig.phase(), Phase::Fallback(FallbackReason::SensorLost));
+    with_chip(&mut rig, 20_000, |_| [5, 5, -8192]);
+    assert_eq!(rig.phase(), Phase::Reactive, "it is flown without");
 }
 
 /// Inputs that the log of a warm-up says turned to lags, and after how many seconds.
 fn turned_to_lags(seconds: u64, rate: fn(u64) -> Option<i16>) -> Vec<(u64, Inputs)> {
-    let mut bench = Bench::armed(Settings {
+    let mut rig = Rig::armed(Settings {
         warm_up: WarmUp::Fixed(LONGEST_WARM_UP),
         ..SETTINGS
     });
     let mut turned = Vec::new();
     for step in 0..seconds * 10 {
-        bench.milliseconds(100, rate);
-        while let Some(event) = bench.autopilot.next_event() {
+        rig.milliseconds(100, rate);
+        while let Some(event) = rig.autopilot.next_event() {
             if let Event::Lags(inputs) = event {
                 turned.push((step / 10, inputs));
             }

@@ -52,13 +52,13 @@ pub fn obeyed(order: ChipOrder) -> ChipSetting {
 /// A board that does what the firmware does, without one.
 ///
 /// Whichever logic is built in: what is expected was worked out for the cascade.
-pub struct Bench<L = Cascade> {
+pub struct Rig<L = Cascade> {
     pub autopilot: Autopilot<Vec<Stamped>, L>,
     pub now: u64,
     pub outputs: Vec<(u64, MotorShares)>,
 }
 
-impl Bench {
+impl Rig {
     pub fn new(settings: Settings) -> Self {
         Self::with_logic(settings, Cascade::default())
     }
@@ -68,7 +68,7 @@ impl Bench {
     }
 }
 
-impl<L: ControlLogic> Bench<L> {
+impl<L: ControlLogic> Rig<L> {
     pub fn with_logic(settings: Settings, logic: L) -> Self {
         Self {
             autopilot: Autopilot::with_logic(settings, Vec::new(), logic),
