@@ -1,5 +1,6 @@
-//! Arithmetic of floats among the instructions: what a core without a unit for it calls a library for.
+//! Arithmetic of floats among the instructions.
 //!
+//! A core that has no unit for it calls a library for each.
 //! Encodings: ARMv7-M Architecture Reference Manual, A6.4 and A6.5, single precision.
 
 use std::collections::BTreeMap;
