@@ -154,9 +154,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// Shows the filtered sample to its inputs, and what can be derived from it.
     fn ask(&mut self, at: Instant) {
         let motion = self.sensing.motion();
-        if self.reactive.watches_motion() {
-            self.reactive.take_motion(&motion, self.sensing.force().0);
-        }
+        self.reactive.take_motion(&motion, self.sensing.force().0);
         match self.reactive.foresight() {
             Foresight::None => {}
             Foresight::Predicted => {
@@ -526,7 +524,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
 
     /// The labels of an input whose refit is due, copied: to be fitted in idle, without a lock.
     #[must_use]
-    pub fn refit_due(&self, now: Instant) -> Option<RefitJob> {
+    pub fn refit_due(&mut self, now: Instant) -> Option<RefitJob> {
         self.reactive.refit_due(now)
     }
 

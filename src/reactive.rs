@@ -83,8 +83,8 @@ pub struct Reactive {
     judgement: Judgement,
     prediction: Prediction,
     looks: Looks,
-    /// A sample of the inertial sensor may call for a run, by the models as they are.
-    watches_motion: bool,
+    /// What a sample of the inertial sensor says that may call for a run, by the models as they are.
+    watched: Inputs,
     /// The control logic took motion that no run has taught by yet.
     advanced: bool,
     /// Models were swapped in that no run has reviewed yet.
@@ -158,7 +158,7 @@ impl Reactive {
             judgement: Judgement::new(settings, worth),
             prediction: Prediction::new(axes, logic.mixer().motors(), logic.derivative_cutoff()),
             looks: Looks::default(),
-            watches_motion: false,
+            watched: Inputs::NONE,
             advanced: false,
             unreviewed: false,
             next_refit: Instant::from_ticks(0),
@@ -167,29 +167,35 @@ impl Reactive {
 
     // Asking for a run.
 
-    /// True where what a sample of the inertial sensor says may call for a run; otherwise it is
-    /// compared at runs only, which teach by it.
-    #[must_use]
-    pub fn watches_motion(&self) -> bool {
-        self.watches_motion
-    }
-
-    /// Models or the phase are new. Not worked out anew at every sample.
+    /// Models or the phase are new: what is watched is not worked out anew at every sample.
     fn renew_watch(&mut self) {
-        self.watches_motion = self.learns() && self.learners.motion_may_call();
+        self.watched = if self.learns() {
+            self.learners.motion_that_may_call()
+        } else {
+            Inputs::NONE
+        };
     }
 
     /// Takes what a filtered sample of the gyroscope and of the accelerometer beside it (m/s2) says.
+    ///
+    /// What calls for no run, however it changes, is compared at runs only, which teach by it.
     pub fn take_motion(&mut self, motion: &Motion, force: Vec3) {
-        let learners = &mut self.learners;
-        let (rates, turned) = (motion.rotation.rates.0, motion.sums.angle);
-        let calls = [
-            (Input::Gyro, learners.calls(Input::Gyro, rates)),
-            (Input::Accel, learners.calls(Input::Accel, force)),
-            (Input::Turned, learners.turned_calls(turned)),
+        if !self.watched.is_empty() {
+            self.compare(true, motion, force);
+        }
+    }
+
+    /// Compares what is watched of a motion, or what is not.
+    fn compare(&mut self, watched: bool, motion: &Motion, force: Vec3) {
+        let samples = [
+            (Input::Gyro, motion.rotation.rates.0),
+            (Input::Accel, force),
+            (Input::Turned, self.learners.turned(motion.sums.angle)),
         ];
-        for (input, _) in calls.into_iter().filter(|(_, calls)| *calls) {
-            self.schedule.ask(input);
+        for (input, sample) in samples {
+            if self.watched.contains(input) == watched && self.learners.calls(input, sample) {
+                self.schedule.ask(input);
+            }
         }
     }
 
@@ -422,8 +428,8 @@ impl Reactive {
     /// Judges a run and learns from it; every label is also passed to `tell`.
     pub fn learn(&mut self, run: &Run, mut tell: impl FnMut(Input, &Label)) -> Judged {
         let moved = core::mem::take(&mut self.advanced) || run.motion.sums.dt > 0.0;
-        if moved && self.learns() && !self.watches_motion() {
-            self.take_motion(run.motion, run.force);
+        if moved && self.learns() {
+            self.compare(false, run.motion, run.force);
         }
         let asked = self.schedule.asked();
         let mut judged = Judged {
@@ -558,19 +564,27 @@ impl Reactive {
 
     /// The labels of an input whose refit is due, copied: to be fitted in idle, without a lock.
     #[must_use]
-    pub fn refit_due(&self, now: Instant) -> Option<RefitJob> {
+    pub fn refit_due(&mut self, now: Instant) -> Option<RefitJob> {
         if now < self.next_refit || !self.learns() {
             return None;
         }
-        Input::ALL.into_iter().find_map(|input| {
+        let learning = self.supervisor.is_learning();
+        let found = Input::ALL.into_iter().find_map(|input| {
             let lesson = self.learners.lesson(input);
-            (span(lesson.refitted, now) >= REFIT_INTERVAL).then_some(RefitJob {
+            let due = span(lesson.refitted, now) >= REFIT_INTERVAL;
+            // To settle, a model must be seen to stay where it is.
+            let due = due && (learning || lesson.has_news(now));
+            due.then_some(RefitJob {
                 input,
                 leads: self.learners.stands_alone(input),
                 evidence: self.learners.evidence_of(input),
                 labels: lesson.labels,
             })
-        })
+        });
+        if found.is_none() {
+            self.next_refit = now + REFIT_INTERVAL / 4;
+        }
+        found
     }
 
     /// Swaps a fit in and forgets a little; the weight of the labels behind it.
@@ -580,7 +594,6 @@ impl Reactive {
             .learners
             .lesson_mut(refit.input)
             .on_refit(now, refit.fit);
-        self.next_refit = self.learners.oldest_refit() + REFIT_INTERVAL;
         self.renew_watch();
         weight
     }
@@ -594,6 +607,9 @@ impl Reactive {
             Phase::Fallback(reason) if reason.refutes_models() => self.learners.restart(),
             Phase::WarmUp => self.learners.return_to_crossings(),
             _ => {}
+        }
+        if self.supervisor.is_learning() {
+            self.learners.begin(now);
         }
         self.learners.restart_holds();
         self.judgement.restart();

@@ -106,9 +106,9 @@ impl Learners {
         learner.is_some_and(|learner| learner.calls(&sample))
     }
 
-    /// True where the angle turned since the last run calls for a run.
-    pub(super) fn turned_calls(&mut self, since_last_run: Vec3) -> bool {
-        self.calls(Input::Turned, self.turned_before + since_last_run)
+    /// The angle turned, which is measured against that of the last run.
+    pub(super) fn turned(&self, since_last_run: Vec3) -> Vec3 {
+        self.turned_before + since_last_run
     }
 
     /// True where the command that a run would compute calls for it.
@@ -121,11 +121,12 @@ impl Learners {
         self.owed.lesson.decision.take(Some(owed)) && self.owed.lesson.triggers
     }
 
-    /// True where a sample of the gyroscope, or what is derived from it, may call for a run.
-    pub(super) fn motion_may_call(&self) -> bool {
+    /// What a sample of the inertial sensor says that may call for a run.
+    pub(super) fn motion_that_may_call(&self) -> Inputs {
+        let each = self.rule.reference == Reference::PreviousSample;
+        let may_call = |input: &Input| each || self.lesson(*input).may_call();
         let inputs = [Input::Gyro, Input::Accel, Input::Turned];
-        let may_call = |input| self.lesson(input).may_call();
-        self.rule.reference == Reference::PreviousSample || inputs.into_iter().any(may_call)
+        inputs.into_iter().filter(may_call).collect()
     }
 
     /// What an input is measured against is this sample now.
@@ -153,14 +154,6 @@ impl Learners {
             (None, Input::Owed) => &self.owed.lesson,
             (None, _) => &self.command.lesson,
         }
-    }
-
-    /// When the input was refitted whose turn is next.
-    pub(super) fn oldest_refit(&self) -> Instant {
-        let refits = Input::ALL
-            .into_iter()
-            .map(|input| self.lesson(input).refitted);
-        refits.min().unwrap_or(Instant::from_ticks(0))
     }
 
     pub(super) fn lesson_mut(&mut self, input: Input) -> &mut Lesson {
@@ -429,6 +422,13 @@ impl Learners {
         let stale = self.stale_holds.contains(input);
         self.stale_holds = self.stale_holds.without(input);
         stale
+    }
+
+    /// Learning begins.
+    pub(super) fn begin(&mut self, now: Instant) {
+        for input in Input::ALL {
+            self.lesson_mut(input).begin(now);
+        }
     }
 
     pub(super) fn restart_holds(&mut self) {

@@ -18,6 +18,12 @@ use crate::time::{Duration, Instant, micros, seconds, span};
 /// Half of the longest warm-up: as long again is left to learn from lags before that ends.
 pub(super) const PATIENCE: Duration = micros(LONGEST_WARM_UP.ticks() / 2);
 
+/// Labels are news from this share of those on whose like the last refit was made.
+const NEWS: f32 = 0.1;
+
+/// After this long an input is refitted, news or none.
+const SELDOM: Duration = micros(10 * REFIT_INTERVAL.ticks());
+
 /// The ends of the bins of an input's changes, in the unit that the firmware counts in.
 pub fn changes_of(input: Input, settings: &Settings) -> Changes {
     let changes = of_input(input).changes;
@@ -44,6 +50,8 @@ pub(in crate::reactive) struct Lesson {
     /// Its model may ask for a run.
     pub(in crate::reactive) triggers: bool,
     pub(in crate::reactive) refitted: Instant,
+    /// Weight of the labels that the last refit left.
+    fitted: f32,
     /// When its shadow holds began; none before their first sample.
     held_since: Option<Instant>,
     /// Refits in a row that left the threshold where it was.
@@ -71,6 +79,7 @@ impl<S: Sample> Learner<S> {
                 labels: Labels::new(changes),
                 triggers: settings.triggers.contains(input),
                 refitted: Instant::from_ticks(0),
+                fitted: 0.0,
                 held_since: None,
                 stable: 0,
             },
@@ -134,12 +143,24 @@ impl Lesson {
 
     /// Swaps a fit in and lets the labels fade a little; their weight until now.
     pub(in crate::reactive) fn on_refit(&mut self, now: Instant, fit: Fit) -> f32 {
+        let since = seconds(span(self.refitted, now));
         self.refitted = now;
         self.swap(fit);
         let weight = self.labels.total();
-        self.labels
-            .fade(1.0 - seconds(REFIT_INTERVAL) / seconds(FORGETTING));
+        self.labels.fade(1.0 - since / seconds(FORGETTING));
+        self.fitted = self.labels.total();
         weight
+    }
+
+    /// True where labels came since the last refit that may move the threshold, or it is long ago.
+    pub(in crate::reactive) fn has_news(&self, now: Instant) -> bool {
+        let new = self.labels.total() - self.fitted;
+        new > NEWS * self.fitted || span(self.refitted, now) >= SELDOM
+    }
+
+    /// Learning begins: what passed since the last refit makes no label older.
+    pub(super) fn begin(&mut self, now: Instant) {
+        self.refitted = now;
     }
 
     /// Swaps a fit in; keeps count of how long the threshold has been stable.
