@@ -78,86 +78,37 @@ fn at(code: &Code, address: u32) -> Option<Arithmetic> {
 mod tests {
     use super::*;
 
-    /// As GNU as encodes them.
+    /// As LLVM's assembler encodes them.
     #[test]
     fn encodings_are_told_apart() {
-        for (instruction, words, arithmetic) in [
-            (
-                "vadd.f32 s0, s1, s2",
-                [0xEE30, 0x0A81],
-                Some(Arithmetic::Sum),
-            ),
-            (
-                "vsub.f32 s0, s1, s2",
-                [0xEE30, 0x0AC1],
-                Some(Arithmetic::Sum),
-            ),
-            (
-                "vmul.f32 s0, s1, s2",
-                [0xEE20, 0x0A81],
-                Some(Arithmetic::Product),
-            ),
-            (
-                "vnmul.f32 s1, s1, s2",
-                [0xEE60, 0x0AC1],
-                Some(Arithmetic::Product),
-            ),
-            (
-                "vmla.f32 s0, s1, s2",
-                [0xEE00, 0x0A81],
-                Some(Arithmetic::ProductAndSum),
-            ),
-            (
-                "vmls.f32 s0, s1, s2",
-                [0xEE00, 0x0AC1],
-                Some(Arithmetic::ProductAndSum),
-            ),
-            (
-                "vfma.f32 s1, s1, s2",
-                [0xEEE0, 0x0A81],
-                Some(Arithmetic::ProductAndSum),
-            ),
-            (
-                "vdiv.f32 s0, s1, s2",
-                [0xEE80, 0x0A81],
-                Some(Arithmetic::Quotient),
-            ),
-            (
-                "vsqrt.f32 s0, s1",
-                [0xEEB1, 0x0AE0],
-                Some(Arithmetic::SquareRoot),
-            ),
-            (
-                "vcmp.f32 s0, s1",
-                [0xEEB4, 0x0A60],
-                Some(Arithmetic::Comparison),
-            ),
-            (
-                "vcmp.f32 s0, #0",
-                [0xEEB5, 0x0A40],
-                Some(Arithmetic::Comparison),
-            ),
-            (
-                "vcvt.f32.u32 s0, s1",
-                [0xEEB8, 0x0A60],
-                Some(Arithmetic::Conversion),
-            ),
-            (
-                "vcvt.s32.f32 s0, s1",
-                [0xEEBD, 0x0AE0],
-                Some(Arithmetic::Conversion),
-            ),
-            ("vmov.f32 s0, s1", [0xEEB0, 0x0A60], None),
-            ("vabs.f32 s0, s1", [0xEEB0, 0x0AE0], None),
-            ("vneg.f32 s0, s1", [0xEEB1, 0x0A60], None),
-            ("vmov.f32 s0, #1.0", [0xEEB7, 0x0A00], None),
-            ("vmov s0, r1", [0xEE00, 0x1A10], None),
-            ("vmrs APSR_nzcv, fpscr", [0xEEF1, 0xFA10], None),
-            ("vldr s0, [r1]", [0xED91, 0x0A00], None),
-            ("mcr p15, 0, r0, c1, c0, 0", [0xEE01, 0x0F10], None),
+        use Arithmetic::{
+            Comparison, Conversion, Product, ProductAndSum, Quotient, SquareRoot, Sum,
+        };
+        let of = |word: u32| Arithmetic::of((word >> 16) as u16, word as u16);
+        for (instruction, word, arithmetic) in [
+            ("vadd.f32 s0, s1, s2", 0xEE30_0A81, Some(Sum)),
+            ("vsub.f32 s0, s1, s2", 0xEE30_0AC1, Some(Sum)),
+            ("vmul.f32 s0, s1, s2", 0xEE20_0A81, Some(Product)),
+            ("vnmul.f32 s1, s1, s2", 0xEE60_0AC1, Some(Product)),
+            ("vmla.f32 s0, s1, s2", 0xEE00_0A81, Some(ProductAndSum)),
+            ("vmls.f32 s0, s1, s2", 0xEE00_0AC1, Some(ProductAndSum)),
+            ("vfma.f32 s1, s1, s2", 0xEEE0_0A81, Some(ProductAndSum)),
+            ("vdiv.f32 s0, s1, s2", 0xEE80_0A81, Some(Quotient)),
+            ("vsqrt.f32 s0, s1", 0xEEB1_0AE0, Some(SquareRoot)),
+            ("vcmp.f32 s0, s1", 0xEEB4_0A60, Some(Comparison)),
+            ("vcmp.f32 s0, #0", 0xEEB5_0A40, Some(Comparison)),
+            ("vcvt.f32.u32 s0, s1", 0xEEB8_0A60, Some(Conversion)),
+            ("vcvt.s32.f32 s0, s1", 0xEEBD_0AE0, Some(Conversion)),
+            ("vmov.f32 s0, s1", 0xEEB0_0A60, None),
+            ("vabs.f32 s0, s1", 0xEEB0_0AE0, None),
+            ("vneg.f32 s0, s1", 0xEEB1_0A60, None),
+            ("vmov.f32 s0, #1.0", 0xEEB7_0A00, None),
+            ("vmov s0, r1", 0xEE00_1A10, None),
+            ("vmrs APSR_nzcv, fpscr", 0xEEF1_FA10, None),
+            ("vldr s0, [r1]", 0xED91_0A00, None),
+            ("mcr p15, 0, r0, c1, c0, 0", 0xEE01_0F10, None),
         ] {
-            let [first, second] = words;
-            assert_eq!(Arithmetic::of(first, second), arithmetic, "{instruction}");
+            assert_eq!(of(word), arithmetic, "{instruction}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The firmware's threshold under the maximum-likelihood model.
 
-use reflex::reactive::{Fit, Labels, RefitJob};
+use reflex::reactive::{EVIDENCE, Fit, Labels, RefitJob};
 use reflex::sensors::Input;
 
 use super::maximum_likelihood::{Likeliest, Model, Sample, likeliest};
@@ -28,6 +28,7 @@ pub(super) fn compare(binned: &Labels, samples: &[Sample]) -> Outcome {
     let job = RefitJob {
         input: Input::Gyro,
         leads: true,
+        evidence: EVIDENCE,
         labels: *binned,
     };
     let Fit::Model(model) = job.fit().fit else {

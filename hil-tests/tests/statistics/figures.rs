@@ -8,7 +8,7 @@ use std::path::Path;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use reflex::app::{Call, Reason, Stamped};
-use reflex::reactive::{Fit, Logistic, RefitJob, changes_of};
+use reflex::reactive::{EVIDENCE, Fit, Logistic, RefitJob, changes_of};
 use reflex::sensors::{Input, Unit};
 use reflex::settings::Settings;
 
@@ -74,6 +74,7 @@ fn learned(flight: &Flight, settings: Settings, input: Input) -> Option<(Lessons
     let job = RefitJob {
         input,
         leads: false,
+        evidence: EVIDENCE,
         labels: lessons.binned,
     };
     let fit = job.fit().fit;

@@ -4,7 +4,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Exp1, LogNormal, Pareto, StandardUniform};
 use reflex::config::of_input;
-use reflex::reactive::{Fit, Label, Labels, RefitJob};
+use reflex::reactive::{EVIDENCE, Fit, Label, Labels, RefitJob};
 use reflex::sensors::Input;
 
 use super::comparison::{Outcome, compare};
@@ -125,6 +125,7 @@ fn known_coefficients_are_covered_as_often_as_by_maximum_likelihood() {
         let job = RefitJob {
             input: Input::Gyro,
             leads: true,
+            evidence: EVIDENCE,
             labels: binned(samples),
         };
         let (Fit::Model(model), Likeliest::Model(likeliest)) = (job.fit().fit, likeliest(samples))
