@@ -88,7 +88,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     ///
     /// Filters, sums and compares; ends the hyperperiod where it is the last that gates.
     pub fn on_imu(&mut self, at: Instant, reading: &ImuReading) -> Next {
-        self.record.call(at, Call::Imu(*reading));
+        self.record.frequent(at, Call::Imu(*reading));
         let Some(summed) = self.take(at, reading) else {
             return Next::Wait;
         };
@@ -102,7 +102,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     ///
     /// The output must be written to the motors at once.
     pub fn on_hyperperiod(&mut self, now: Instant) -> Option<MotorOutput> {
-        self.record.call(now, Call::Hyperperiod);
+        self.record.frequent(now, Call::Hyperperiod);
         if self.reactive.notice_late_run(now) {
             self.record.fault(Fault::LateRun);
         }

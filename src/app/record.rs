@@ -31,8 +31,15 @@ impl<R: Recorder> Record<R> {
     }
 
     /// Takes note of a call and its instant.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn call(&mut self, at: Instant, call: Call) {
+        self.frequent(at, call);
+    }
+
+    /// As [`Self::call`], for one that comes with every sample: encoding what is known where it is made
+    /// takes few instructions, and room.
+    #[inline(always)]
+    pub(super) fn frequent(&mut self, at: Instant, call: Call) {
         self.clock = self.clock.max(at);
         self.recorder.record(at, &call);
     }
@@ -40,7 +47,7 @@ impl<R: Recorder> Record<R> {
     /// Takes note of what became of the last run, where that is seen now.
     pub(super) fn judged(&mut self, at: Instant, changed: Option<bool>) {
         if let Some(changed) = changed {
-            self.recorder.record(at, &Call::Judged(changed));
+            self.call(at, Call::Judged(changed));
         }
     }
 
