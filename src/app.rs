@@ -274,6 +274,12 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         Some(self.run(now, Reason::Failsafe))
     }
 
+    /// True where samples have the command foreseen exactly: what that costs is a host's to count.
+    #[must_use]
+    pub fn foresees(&self) -> bool {
+        self.reactive.foresight_in_use() == Foresight::Exact
+    }
+
     /// When [`Self::on_timer`] is due next.
     #[must_use]
     pub fn deadline(&self) -> Instant {

@@ -204,11 +204,20 @@ impl Reactive {
         self.supervisor.is_learning() || self.phase() == Phase::Reactive
     }
 
-    /// What is wanted of the command that a run would compute.
+    /// What is wanted of the command that a run would compute now: a prediction is not at each sample.
+    #[must_use]
+    pub fn foresight(&mut self) -> Foresight {
+        match self.foresight_in_use() {
+            Foresight::Predicted if !self.looks.is_due() => Foresight::None,
+            wanted => wanted,
+        }
+    }
+
+    /// How a command is known before it is computed.
     ///
     /// Time-triggered control need not foresee what it computes anyway.
     #[must_use]
-    pub fn foresight(&mut self) -> Foresight {
+    pub fn foresight_in_use(&self) -> Foresight {
         let triggers = |input| self.learners.lesson(input).triggers;
         if self.phase() != Phase::Reactive {
             Foresight::None
@@ -218,10 +227,8 @@ impl Reactive {
             Foresight::None
         } else if self.prediction.is_exact() {
             Foresight::Exact
-        } else if self.looks.is_due() {
-            Foresight::Predicted
         } else {
-            Foresight::None
+            Foresight::Predicted
         }
     }
 

@@ -40,6 +40,8 @@ pub(crate) struct Timeline<'c> {
     pub(crate) fallbacks_by_reason: [(FallbackReason, u64); FallbackReason::ALL.len()],
     /// The firmware's clock at the first end of a hyperperiod, in us.
     pub(crate) first_hyperperiod_us: Option<u64>,
+    /// Samples behind the warm-up whose command was foreseen exactly.
+    foreseen: u64,
 }
 
 /// The command that the motors held at an instant of the firmware's clock.
@@ -80,6 +82,7 @@ impl<'c> Timeline<'c> {
             fallbacks: 0,
             fallbacks_by_reason: FallbackReason::ALL.map(|reason| (reason, 0)),
             first_hyperperiod_us: None,
+            foreseen: 0,
         };
         if start.settings.policy != Policy::Reactive {
             timeline.flight.end_warm_up(start_us);
@@ -104,6 +107,7 @@ impl<'c> Timeline<'c> {
                     self.first_hyperperiod_us.get_or_insert(at_us);
                     if at_us >= self.start_us {
                         self.ends.push(place);
+                        self.foreseen += u64::from(self.mirror.autopilot().foresees());
                     }
                     open = Some(Open { at_us, run: None });
                     if !self.answered[place] {
@@ -200,6 +204,7 @@ impl<'c> Timeline<'c> {
                 Policy::Periodic => costs.periodic,
             },
             periodic: costs.periodic,
+            foresight: costs.foresight * self.foreseen as f64,
             busy,
         });
         Rules {

@@ -6,8 +6,7 @@
 //! there, and so does periodic control in either tier. On the emulated board the policy's own
 //! load is what was measured.
 //!
-//! Commands that are foreseen exactly are not in the table: where motors saturate, a native
-//! replay says less than the policy takes.
+//! Commands that are foreseen exactly, as where motors saturate, are counted and cost extra.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -34,6 +33,8 @@ pub struct LogicCosts {
     pub reactive: Cost,
     /// Periodic control.
     pub periodic: Cost,
+    /// Instructions of a command that reactive control foresees exactly, beside those of its sample.
+    pub foresight: f64,
 }
 
 /// The content of `load.toml`.

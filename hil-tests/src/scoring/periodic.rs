@@ -179,7 +179,8 @@ impl<F: FnMut(Clock) -> Vec<Held>> Flown<'_, F> {
         let samples_hz = rate(scored.steps.len() as u64, length_s)?;
         let by_table = load
             .policy
-            .load(load.core_hz, samples_hz, rate(runs, length_s)?);
+            .load(load.core_hz, samples_hz, rate(runs, length_s)?)
+            + load.foresight / (load.core_hz * length_s);
         let policy_load = load.busy.unwrap_or(by_table);
         let wanted_hz = (load.periodic).runs_hz(load.core_hz, samples_hz, policy_load);
         let (rate_hz, reach) = Reach::of(wanted_hz, &self.rules.periodic_hz);

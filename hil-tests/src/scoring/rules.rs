@@ -42,6 +42,8 @@ pub struct LoadRules {
     pub policy: Cost,
     /// What periodic control takes.
     pub periodic: Cost,
+    /// Instructions that the policy spent on commands that it foresaw exactly.
+    pub foresight: f64,
     /// Share of time in which the processor was busy; `None` where there was none.
     pub busy: Option<f64>,
 }

@@ -24,6 +24,7 @@ fn equal_load(runs: u64, sample: f64, busy: Option<f64>) -> EqualLoad {
             sample: 200.0,
             run: 400.0,
         },
+        foresight: 0.0,
         busy,
     };
     let fly = |clock| fly(&flight, clock);
@@ -85,6 +86,7 @@ fn nothing_is_flown_where_nobody_measured_or_nothing_is_scored() {
         core_hz: 1e6,
         policy: cost,
         periodic: cost,
+        foresight: 0.0,
         busy: None,
     };
     assert_eq!(periodic.equal_load(0, &load), None);

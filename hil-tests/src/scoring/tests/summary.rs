@@ -22,6 +22,7 @@ fn text(change: impl FnOnce(&mut Report)) -> String {
                 sample: 300.0,
                 run: 600.0,
             },
+            foresight: 0.0,
             busy: None,
         }),
         ..rules()

@@ -12,6 +12,8 @@ use super::*;
 use crate::logics::LogicName;
 use crate::scoring::{Busy, Cost, LOADS, LoadTable, LogicCosts};
 use crate::toolchain;
+use reflex::config::SETTINGS;
+use reflex::sensors::Input;
 
 const HEAD: &str = "\
 # Instructions that a policy takes of the processor: of a hyperperiod without a run, and of a run beside
@@ -45,8 +47,8 @@ fn busy(logic: LogicName, settings: Settings) -> Busy {
 /// Reactive control that runs this many times as rarely as the default, or as often.
 fn reactive(quanta: f32) -> Settings {
     Settings {
-        quantum: quanta * reflex::config::SETTINGS.quantum,
-        ..reflex::config::SETTINGS
+        quantum: quanta * SETTINGS.quantum,
+        ..SETTINGS
     }
 }
 
@@ -54,7 +56,7 @@ fn periodic(hertz: u64) -> Settings {
     Settings {
         policy: Policy::Periodic,
         period: micros(1_000_000 / hertz),
-        ..reflex::config::SETTINGS
+        ..SETTINGS
     }
 }
 
@@ -67,10 +69,26 @@ fn measured(logic: LogicName) -> LogicCosts {
             run: cost.run.round(),
         }
     };
+    let costs = cost([reactive(2.0), reactive(0.25)]);
     LogicCosts {
-        reactive: cost([reactive(2.0), reactive(0.25)]),
+        reactive: costs,
         periodic: cost([periodic(50), periodic(400)]),
+        foresight: foresight(logic, &costs).round(),
     }
+}
+
+/// What a sample takes more where the command is foreseen exactly, at each.
+fn foresight(logic: LogicName, reactive: &Cost) -> f64 {
+    let triggers = SETTINGS.triggers.with(Input::Command);
+    let busy = busy(
+        logic,
+        Settings {
+            triggers,
+            ..SETTINGS
+        },
+    );
+    let predicted = reactive.load(LOADS.core_hz, busy.samples_hz, busy.runs_hz);
+    (busy.share - predicted) * LOADS.core_hz / busy.samples_hz
 }
 
 #[test]
