@@ -435,6 +435,9 @@ impl Reactive {
     /// Judges a run and learns from it; every label is also passed to `tell`.
     pub fn learn(&mut self, run: &Run, mut tell: impl FnMut(Input, &Label)) -> Judged {
         let moved = core::mem::take(&mut self.advanced) || run.motion.sums.dt > 0.0;
+        if self.looks.left_one_out() && self.foresight_in_use() == Foresight::Predicted {
+            self.prediction.predict(run.motion);
+        }
         if moved && self.learns() {
             self.compare(false, run.motion, run.force);
         }

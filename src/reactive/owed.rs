@@ -79,6 +79,11 @@ impl Looks {
         !self.rested
     }
 
+    /// True where the newest sample was left out.
+    pub(super) fn left_one_out(&self) -> bool {
+        self.rested
+    }
+
     /// So much is owed: the next sample is left out where the one after it would still find the
     /// budget kept, should what is owed grow twice as fast as it did.
     pub(super) fn take(&mut self, owed: f32, budget: f32) {
