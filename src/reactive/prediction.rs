@@ -125,6 +125,7 @@ impl Prediction {
     }
 
     /// What is owed after this motion since the last run, by prediction.
+    #[inline(never)] // Samples, runs and what joins between them all predict.
     pub fn predict(&mut self, motion: &Motion) -> &Impulse {
         self.owed = self.form.impulse(motion);
         &self.owed
