@@ -34,9 +34,9 @@ pub struct Part {
 
 /// A test of a sample against a threshold is to cost nothing against the run that it saves.
 const TRIGGER_LIMIT: u64 = 60;
-/// A prediction of what is owed replaces a foresight; below half of the budget every second sample is
-/// looked at, so that a sample costs 150 at most.
-const PREDICTION_LIMIT: u64 = 180;
+/// A look at what is owed replaces a foresight. Every second sample is left out unless what is owed grows
+/// fast, so that a sample costs less than 150.
+const PREDICTION_LIMIT: u64 = 190;
 /// A refit is to be done in idle between two samples of the gyroscope, more or less: 1.2 ms.
 const REFIT_LIMIT: u64 = 200_000;
 
