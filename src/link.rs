@@ -15,7 +15,7 @@
 //!   recorded flight that passes through as payload (file transfer, tunnel) arms nothing.
 //!
 //! Limits:
-//! - Signatures are skipped, not checked: whoever can write to the link can fly the drone.
+//! - Signatures are skipped, not checked: anyone who can write to the link can fly it.
 //! - MAVLink 1 frames are skipped. Their payload is not looked at.
 //! - Noise that looks like the start of a frame of another kind takes up to 267 following
 //!   bytes with it, or [`PATIENCE`], whichever ends first.

@@ -1,6 +1,7 @@
 //! Arithmetic of floats on a core that has no unit for it.
 //!
-//! There it is calls of the compiler's library. That is linked for this core too, by the names that Arm's run-time ABI gives its functions.
+//! There it is calls of the compiler's library. That is linked for this core too, by the names that
+//! Arm's run-time ABI gives its functions.
 
 use core::hint::black_box;
 

@@ -309,7 +309,7 @@ impl Learners {
 
     /// True where every sample of an input is a label, so that a run adds none.
     pub(super) fn learns_from_samples(&self, input: Input) -> bool {
-        self.stands_alone(input) && input != self.lead && self.feedback == Feedback::Every
+        self.second_opinions().contains(input) && self.feedback == Feedback::Every
     }
 
     /// Adds the labels of a run, or of the last one where they come `late`.
@@ -403,14 +403,22 @@ impl Learners {
     /// True where an input is judged by itself: the leading one, and one that a chip compares, an
     /// independent second opinion.
     pub(super) fn stands_alone(&self, input: Input) -> bool {
-        let chips = self.lead == Input::Owed && Inputs::OF_CHIPS.contains(input);
-        input == self.lead || chips
+        input == self.lead || self.second_opinions().contains(input)
+    }
+
+    /// Inputs that a chip compares, where a budget leads: they count whatever it knows.
+    fn second_opinions(&self) -> Inputs {
+        if self.lead == Input::Owed {
+            Inputs::OF_CHIPS
+        } else {
+            Inputs::NONE
+        }
     }
 
     /// The evidence that an input's slope needs. A second opinion needs none: where its labels say
     /// little the slope is flat, and the threshold beyond what is met.
     pub(super) fn evidence_of(&self, input: Input) -> f32 {
-        if self.stands_alone(input) && input != self.lead {
+        if self.second_opinions().contains(input) {
             0.0
         } else {
             EVIDENCE
@@ -464,11 +472,7 @@ impl Learners {
     /// back than to this run.
     pub(super) fn on_run(&mut self, turned: Vec3, learning: bool, command: &MotorShares) {
         // A second opinion is measured from the reference that its chip took.
-        let second = if self.lead == Input::Owed {
-            Inputs::OF_CHIPS
-        } else {
-            Inputs::NONE
-        };
+        let second = self.second_opinions();
         for (input, learner) in Input::OF_AXES.into_iter().zip(&mut self.of_axes) {
             if !second.contains(input) {
                 learner.on_run();

@@ -1,10 +1,10 @@
 //! Shadow runs: what a run at a chip's sample would repay if it were made.
 //!
 //! A threshold in a chip hides most samples, and runs that only a chip asks for are rare: labels
-//! from runs alone would be too few to learn a model from. But what a run repays follows from the
-//! course of the command, whoever runs: the command that it would compute, the one that it would
-//! replace, and what control wants in the time of repayment. So every sample of a chip gives a
-//! label, whether a run came of it or not.
+//! from runs alone would be too few to learn a model from. But three things say what a run repays:
+//! the command that it would compute, the one that it would replace, and what control wants in the
+//! time of repayment. The course of the command has all three, also where no run is made. So every
+//! sample of a chip gives a label.
 //!
 //! The change is that since the chip's reference, and what is replaced is the command in force. A
 //! change since a reference that an open chip would have renewed by then tells nothing.
