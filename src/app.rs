@@ -384,7 +384,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         match message {
             Message::Heartbeat => {}
             Message::Setpoint(setpoint) => self.on_setpoint(at, setpoint),
-            Message::Arm(arm) => return self.on_arm(*arm),
+            Message::Arm(command) => return self.on_arm(command.arm),
             Message::Pose(pose) => self.on_pose(at, pose),
             Message::Goal(destination) => self.on_goal(at, destination),
         }

@@ -2,7 +2,7 @@
 //!
 //! [`Parser`] turns bytes in any chunking into [`Incoming`] messages, [`Sender`] makes the
 //! few frames that the drone sends. Only what is flown is decoded: HEARTBEAT,
-//! SET_ATTITUDE_TARGET, SET_POSITION_TARGET_LOCAL_NED, COMMAND_LONG and ODOMETRY. The crate
+//! SET_ATTITUDE_TARGET, SET_POSITION_TARGET_LOCAL_NED, COMMAND_LONG, COMMAND_INT and ODOMETRY. The crate
 //! `mavlink` supplies the messages' layouts, checksums and enumerations; its reader is left out,
 //! because it decodes the whole dialect (hundreds of messages, more than the flash budget).
 //!
@@ -25,6 +25,7 @@ mod decode;
 mod encode;
 mod framing;
 mod message;
+mod notice;
 mod parser;
 mod peers;
 #[cfg(test)]
@@ -32,7 +33,8 @@ mod tests;
 
 pub use counters::LinkCounters;
 pub use encode::{Frame, LONGEST_FRAME_OUT, Sender, Status};
-pub use message::{Answer, Destination, ExternalPose, Message};
+pub use message::{Answer, ArmCommand, Destination, ExternalPose, Message};
+pub use notice::{Notice, Severity};
 pub use parser::{Feed, Incoming, Parser};
 pub use peers::Peer;
 

@@ -5,20 +5,22 @@
 //! | HEARTBEAT | [`Message::Heartbeat`] | never: that it arrived is what counts |
 //! | SET_ATTITUDE_TARGET | [`Message::Setpoint`] | see [`setpoint`] |
 //! | SET_POSITION_TARGET_LOCAL_NED | [`Message::Goal`] | see [`destination`] |
-//! | COMMAND_LONG | [`Message::Arm`] | any other command, or its parameter is not 0 or 1 |
+//! | COMMAND_LONG, COMMAND_INT | [`Message::Arm`] | see [`command`] |
 //! | ODOMETRY | [`Message::Pose`] | see [`pose`] |
 //!
 //! The bounds on values are far outside of flight. They are there because finite numbers can
 //! be large enough to overflow in the control logic.
 
 use super::framing::RawFrame;
-use super::{ARM_DISARM, COMPONENT, Destination, ExternalPose, Message, SYSTEM};
+use super::{
+    ARM_DISARM, Answer, ArmCommand, COMPONENT, Destination, ExternalPose, Message, SYSTEM,
+};
 use crate::control::{Setpoint, Yaw};
 use crate::math::{Quaternion, Vec3, wrapped};
 use crate::units::{BodyRates, Position, Thrust, Velocity};
 use mavlink::dialects::common::{
-    AttitudeTargetTypemask as Mask, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavFrame, ODOMETRY_DATA,
-    PositionTargetTypemask as PositionMask, SET_ATTITUDE_TARGET_DATA,
+    AttitudeTargetTypemask as Mask, COMMAND_INT_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavFrame,
+    ODOMETRY_DATA, PositionTargetTypemask as PositionMask, SET_ATTITUDE_TARGET_DATA,
     SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 use mavlink::{MavlinkVersion, MessageData};
@@ -38,11 +40,17 @@ const LARGEST_HEADING: f32 = core::f32::consts::TAU;
 /// Place of ODOMETRY's field `quality`, an extension that older senders leave out.
 const ODOMETRY_QUALITY: usize = 232;
 
+/// Second parameter of a command to arm or disarm whatever the checks say.
+const FORCE: f32 = 21_196.0;
+
+/// The fields of a command up to its target.
+const COMMAND_LENGTH: usize = 32;
+
 /// What became of a frame whose checksum holds.
 pub(super) enum Decoded {
     Message(Message),
-    /// A command for us that is not ours to do; its number is owed an answer.
-    UnsupportedCommand(u16),
+    /// A command for us that cannot be done; its number is owed this answer.
+    RefusedCommand(u16, Answer),
     /// No payload.
     Empty,
     /// Addressed to another system or component.
@@ -61,7 +69,7 @@ pub(super) fn decode(frame: &RawFrame<'_>) -> Decoded {
         HEARTBEAT_DATA::ID => Decoded::Message(Message::Heartbeat),
         SET_ATTITUDE_TARGET_DATA::ID => attitude_target(payload),
         SET_POSITION_TARGET_LOCAL_NED_DATA::ID => position_target(payload),
-        COMMAND_LONG_DATA::ID => command(payload),
+        COMMAND_INT_DATA::ID | COMMAND_LONG_DATA::ID => command(payload),
         ODOMETRY_DATA::ID => odometry(payload),
         _ => Decoded::Refused,
     }
@@ -184,12 +192,12 @@ fn destination(target: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Option<Destinatio
     })
 }
 
-/// Reads COMMAND_LONG field by field.
+/// Reads a COMMAND_LONG or a COMMAND_INT field by field: what is used of them has the same place.
 ///
 /// The crate's own reading refuses commands that its enumeration lacks, but those are owed an
-/// answer as well. Arming is never forced (`param2` 21196): the checks hold for everyone.
+/// answer as well. Arming takes 0 or 1, and [`FORCE`] or anything else behind it.
 fn command(payload: &[u8]) -> Decoded {
-    let mut fields = [0; COMMAND_LONG_DATA::ENCODED_LEN];
+    let mut fields = [0; COMMAND_LENGTH];
     // Trailing zeros are not sent.
     for (field, sent) in fields.iter_mut().zip(payload) {
         *field = *sent;
@@ -199,22 +207,29 @@ fn command(payload: &[u8]) -> Decoded {
         p1,
         p2,
         p3,
+        q0,
+        q1,
+        q2,
+        q3,
         ..,
         low,
         high,
         system,
         component,
-        _confirmation,
     ] = fields;
     let number = u16::from_le_bytes([low, high]);
-    let parameter = f32::from_le_bytes([p0, p1, p2, p3]);
+    let arm = f32::from_le_bytes([p0, p1, p2, p3]);
+    let force = f32::from_le_bytes([q0, q1, q2, q3]) == FORCE;
     if !for_us(system, component) {
         return Decoded::NotForUs;
     }
-    match (number, parameter) {
-        (ARM_DISARM, 0.0) => Decoded::Message(Message::Arm(false)),
-        (ARM_DISARM, 1.0) => Decoded::Message(Message::Arm(true)),
-        _ => Decoded::UnsupportedCommand(number),
+    match (number, arm) {
+        (ARM_DISARM, 0.0 | 1.0) => Decoded::Message(Message::Arm(ArmCommand {
+            arm: arm == 1.0,
+            force,
+        })),
+        (ARM_DISARM, _) => Decoded::RefusedCommand(number, Answer::Denied),
+        _ => Decoded::RefusedCommand(number, Answer::Unsupported),
     }
 }
 

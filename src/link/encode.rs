@@ -1,14 +1,18 @@
-//! The frames that the drone sends: its heartbeat, and answers to commands.
+//! The frames that the drone sends: heartbeat, answers to commands, and notices.
 
-use super::{Answer, COMPONENT, Peer, SYSTEM};
+use super::{Answer, COMPONENT, Notice, Peer, SYSTEM};
 use mavlink::dialects::common::{
     COMMAND_ACK_DATA, HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavResult, MavState, MavType,
+    STATUSTEXT_DATA,
 };
 use mavlink::utils::remove_trailing_zeroes;
 use mavlink::{MAV_STX_V2, MavlinkVersion, MessageData, calculate_crc};
 
-/// Length of the longest frame sent, in bytes: a COMMAND_ACK with its target.
-pub const LONGEST_FRAME_OUT: usize = 12 + COMMAND_ACK_LENGTH;
+/// Length of the longest frame sent, in bytes: a STATUSTEXT.
+pub const LONGEST_FRAME_OUT: usize = 12 + STATUSTEXT_LENGTH;
+
+/// STATUSTEXT without its extensions, which number the pieces of longer texts.
+const STATUSTEXT_LENGTH: usize = 1 + Notice::LONGEST;
 
 /// COMMAND_ACK with its extensions `progress`, `result_param2`, target system and component.
 const COMMAND_ACK_LENGTH: usize = 10;
@@ -96,6 +100,7 @@ impl Sender {
         let result = match answer {
             Answer::Accepted => MavResult::MAV_RESULT_ACCEPTED,
             Answer::TemporarilyRejected => MavResult::MAV_RESULT_TEMPORARILY_REJECTED,
+            Answer::Denied => MavResult::MAV_RESULT_DENIED,
             Answer::Unsupported => MavResult::MAV_RESULT_UNSUPPORTED,
         };
         let [low, high] = command.to_le_bytes();
@@ -112,6 +117,19 @@ impl Sender {
             to.component,
         ];
         self.frame(COMMAND_ACK_DATA::ID, COMMAND_ACK_DATA::EXTRA_CRC, &payload)
+    }
+
+    /// STATUSTEXT: what happened, for whoever listens.
+    pub fn notice(&mut self, notice: &Notice) -> Frame {
+        let mut payload = [0; STATUSTEXT_LENGTH];
+        let text = notice.text().as_bytes();
+        let fields = [notice.severity() as u8]
+            .into_iter()
+            .chain(text.iter().copied());
+        for (field, value) in payload.iter_mut().zip(fields) {
+            *field = value;
+        }
+        self.frame(STATUSTEXT_DATA::ID, STATUSTEXT_DATA::EXTRA_CRC, &payload)
     }
 
     /// Header, payload without its trailing zeros, checksum.

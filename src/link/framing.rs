@@ -12,7 +12,7 @@ use crate::time::Instant;
 use mavlink::calculate_crc;
 use mavlink::consts::v2::{IFLAG_SIGNED, SIGNATURE_SIZE};
 use mavlink::dialects::common::{
-    COMMAND_LONG_DATA, HEARTBEAT_DATA, ODOMETRY_DATA, SET_ATTITUDE_TARGET_DATA,
+    COMMAND_INT_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, ODOMETRY_DATA, SET_ATTITUDE_TARGET_DATA,
     SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 use mavlink::{MAV_STX, MAV_STX_V2, MessageData};
@@ -109,6 +109,7 @@ fn checksum_extra(id: u32) -> Option<u8> {
         SET_POSITION_TARGET_LOCAL_NED_DATA::ID => {
             Some(SET_POSITION_TARGET_LOCAL_NED_DATA::EXTRA_CRC)
         }
+        COMMAND_INT_DATA::ID => Some(COMMAND_INT_DATA::EXTRA_CRC),
         COMMAND_LONG_DATA::ID => Some(COMMAND_LONG_DATA::EXTRA_CRC),
         ODOMETRY_DATA::ID => Some(ODOMETRY_DATA::EXTRA_CRC),
         _ => None,

@@ -38,6 +38,29 @@ impl Destination {
     }
 }
 
+/// What a command to arm or to disarm says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ArmCommand {
+    /// Arm; else disarm.
+    pub arm: bool,
+    /// Whatever the checks say (`param2` is 21196).
+    pub force: bool,
+}
+
+impl ArmCommand {
+    /// Arm, if the checks allow it.
+    pub const ARM: Self = Self {
+        arm: true,
+        force: false,
+    };
+
+    /// Disarm, if the checks allow it.
+    pub const DISARM: Self = Self {
+        arm: false,
+        force: false,
+    };
+}
+
 /// What a peer may send to the autopilot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Message {
@@ -45,8 +68,8 @@ pub enum Message {
     Heartbeat,
     /// What to fly (SET_ATTITUDE_TARGET).
     Setpoint(Setpoint),
-    /// Arm, or disarm (COMMAND_LONG, MAV_CMD_COMPONENT_ARM_DISARM).
-    Arm(bool),
+    /// Arm, or disarm (COMMAND_LONG or COMMAND_INT, MAV_CMD_COMPONENT_ARM_DISARM).
+    Arm(ArmCommand),
     /// Where the drone is (ODOMETRY).
     Pose(ExternalPose),
     /// Where to fly (SET_POSITION_TARGET_LOCAL_NED).
@@ -70,7 +93,7 @@ impl Message {
     }
 }
 
-/// The answer to an arm or disarm command (MAV_RESULT in COMMAND_ACK).
+/// The answer to a command (MAV_RESULT in COMMAND_ACK).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum Answer {
@@ -78,6 +101,8 @@ pub enum Answer {
     Accepted,
     /// Not now: the reason is in the log. The peer may ask again.
     TemporarilyRejected,
+    /// Not so: a parameter means nothing here.
+    Denied,
     /// Never: the command is not one of ours.
     Unsupported,
 }

@@ -152,12 +152,12 @@ fn accept(
     count_many(&mut counters.lost_sequence, lost.into());
     match decode(frame) {
         Decoded::Message(message) => Some(Incoming::Message { from, message }),
-        Decoded::UnsupportedCommand(command) => {
+        Decoded::RefusedCommand(command, answer) => {
             count(&mut counters.refused_value);
             Some(Incoming::Refused {
                 from,
                 command,
-                answer: Answer::Unsupported,
+                answer,
             })
         }
         Decoded::Empty => {

@@ -4,8 +4,9 @@ use super::*;
 use crate::time::{Instant, at_micros};
 use mavlink::MessageData;
 use mavlink::dialects::common::{
-    AttitudeTargetTypemask, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavCmd, MavFrame, ODOMETRY_DATA,
-    PositionTargetTypemask, SET_ATTITUDE_TARGET_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
+    AttitudeTargetTypemask, COMMAND_INT_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavCmd, MavFrame,
+    ODOMETRY_DATA, PositionTargetTypemask, SET_ATTITUDE_TARGET_DATA,
+    SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, calculate_crc};
 

@@ -3,7 +3,9 @@
 use super::{Board, Lock, follow};
 use crate::app::{Autopilot, Fault, Recorder};
 use crate::graph::ControlLogic;
-use crate::link::{ARM_DISARM, Answer, Incoming, LinkCounters, Message, Parser, Sender, Status};
+use crate::link::{
+    ARM_DISARM, Answer, Incoming, LinkCounters, Message, Notice, Parser, Sender, Status,
+};
 use crate::safety::Arming;
 use crate::time::{Duration, Instant, micros};
 
@@ -92,6 +94,15 @@ impl<P: Port> Link<P> {
                 return more.then_some(Fault::LinkFrame);
             }
         }
+    }
+
+    /// Tells all who listen what happened.
+    ///
+    /// # Errors
+    /// The serial line is still busy with earlier frames: to be told again later.
+    pub fn tell(&mut self, notice: &Notice) -> Result<(), Overrun> {
+        let frame = self.sender.notice(notice);
+        self.port.send(frame.as_bytes())
     }
 
     /// Sends a HEARTBEAT; left out where the serial line is still busy with earlier ones.

@@ -152,7 +152,7 @@ fn components(attitude: &UnitQuaternion<f64>) -> [f64; 4] {
 mod tests {
     use super::*;
     use crate::closed_loop::mission::{Course, Mission};
-    use reflex::link::{Incoming, Message, Parser};
+    use reflex::link::{ArmCommand, Incoming, Message, Parser};
     use reflex::time::at_micros;
 
     const TRACKING: Tracking = Tracking {
@@ -188,7 +188,9 @@ mod tests {
     #[test]
     fn the_drone_is_armed_four_times_before_take_off() {
         let sent = sent(true, 3);
-        let armed = sent.iter().filter(|sent| sent.1 == Message::Arm(true));
+        let armed = sent
+            .iter()
+            .filter(|sent| sent.1 == Message::Arm(ArmCommand::ARM));
         assert_eq!(
             armed.map(|sent| sent.0).collect::<Vec<_>>(),
             [1300, 1350, 1400, 1450]

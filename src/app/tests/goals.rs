@@ -269,7 +269,7 @@ fn without_a_heading_the_one_at_the_beginning_is_kept() {
 #[test]
 fn disarming_ends_the_goal() {
     let mut rig = under_way(OpenPilot::default());
-    rig.tell(&Message::Arm(false));
+    rig.tell(&Message::Arm(ArmCommand::DISARM));
     assert_eq!(rig.goal(), None);
     assert_eq!(*rig.autopilot.graph.flown(), Setpoint::default());
 }
@@ -277,7 +277,7 @@ fn disarming_ends_the_goal() {
 #[test]
 fn on_the_ground_a_goal_that_nobody_repeats_is_forgotten() {
     let mut rig = under_way(OpenPilot::default());
-    rig.tell(&Message::Arm(false));
+    rig.tell(&Message::Arm(ArmCommand::DISARM));
     rig.told(40, &[pose(0.0, None), goal(5.0)]);
     assert!(rig.goal().is_some());
     let places = [pose(0.0, None)];

@@ -83,7 +83,10 @@ impl<L: ControlLogic> Rig<L> {
         self.tell(&Message::Setpoint(Setpoint::level(
             Thrust::new(0.5).expect("in range"),
         )));
-        assert_eq!(self.tell(&Message::Arm(true)), Some(Answer::Accepted));
+        assert_eq!(
+            self.tell(&Message::Arm(ArmCommand::ARM)),
+            Some(Answer::Accepted)
+        );
         self
     }
 

@@ -23,7 +23,7 @@ fn all_messages_in_one_piece_are_read_in_order() {
     assert!(matches!(
         found[2],
         Incoming::Message {
-            message: Message::Arm(true),
+            message: Message::Arm(ArmCommand::ARM),
             ..
         }
     ));

@@ -148,33 +148,79 @@ fn thrust_and_attitude_have_narrow_ranges() {
 
 #[test]
 fn arm_and_disarm_are_commands_of_zero_and_one() {
-    assert_eq!(message_of(&arm_command(1.0)), Some(Message::Arm(true)));
-    assert_eq!(message_of(&arm_command(0.0)), Some(Message::Arm(false)));
+    assert_eq!(
+        message_of(&arm_command(1.0)),
+        Some(Message::Arm(ArmCommand::ARM))
+    );
+    assert_eq!(
+        message_of(&arm_command(0.0)),
+        Some(Message::Arm(ArmCommand::DISARM))
+    );
     let forced = COMMAND_LONG_DATA {
         param2: 21196.0,
         ..arm_command(1.0)
     };
-    assert_eq!(message_of(&forced), Some(Message::Arm(true)));
+    let expected = ArmCommand {
+        force: true,
+        ..ArmCommand::ARM
+    };
+    assert_eq!(message_of(&forced), Some(Message::Arm(expected)));
+    for other in [0.0, 1.0, 21_195.0, f32::NAN] {
+        let command = COMMAND_LONG_DATA {
+            param2: other,
+            ..arm_command(0.0)
+        };
+        let expected = Message::Arm(ArmCommand::DISARM);
+        assert_eq!(message_of(&command), Some(expected), "{other}");
+    }
+}
+
+#[test]
+fn a_command_with_integers_is_read_alike() {
+    let command = COMMAND_INT_DATA {
+        param1: 1.0,
+        param2: 21196.0,
+        x: -1,
+        command: MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
+        target_system: SYSTEM,
+        target_component: COMPONENT,
+        ..COMMAND_INT_DATA::DEFAULT
+    };
+    let expected = ArmCommand {
+        arm: true,
+        force: true,
+    };
+    assert_eq!(message_of(&command), Some(Message::Arm(expected)));
+    let takeoff = COMMAND_INT_DATA {
+        command: MavCmd::MAV_CMD_NAV_TAKEOFF,
+        ..command
+    };
+    let (found, _) = read(&frame(0, &takeoff));
+    let refused = Incoming::Refused {
+        from: GROUND,
+        command: 22,
+        answer: Answer::Unsupported,
+    };
+    assert_eq!(found, [refused]);
 }
 
 #[test]
 fn other_commands_are_answered_and_not_passed_on() {
-    let mut cases: Vec<(u16, Vec<u8>)> = [0.5, 2.0, -1.0, f32::NAN, f32::INFINITY]
-        .map(|arm| (ARM_DISARM, frame(0, &arm_command(arm))))
+    let mut cases: Vec<(u16, Answer, Vec<u8>)> = [0.5, 2.0, -1.0, f32::NAN, f32::INFINITY]
+        .map(|arm| (ARM_DISARM, Answer::Denied, frame(0, &arm_command(arm))))
         .to_vec();
     let takeoff = COMMAND_LONG_DATA {
         command: MavCmd::MAV_CMD_NAV_TAKEOFF,
         ..arm_command(1.0)
     };
-    cases.push((22, frame(0, &takeoff)));
+    cases.push((22, Answer::Unsupported, frame(0, &takeoff)));
     // A number that the dialect does not name.
     let mut vendor = frame(0, &takeoff);
     vendor[10 + 28..10 + 30].copy_from_slice(&60_000_u16.to_le_bytes());
     seal(&mut vendor, COMMAND_LONG_DATA::EXTRA_CRC);
-    cases.push((60_000, vendor));
-    for (command, bytes) in cases {
+    cases.push((60_000, Answer::Unsupported, vendor));
+    for (command, answer, bytes) in cases {
         let (found, counters) = read(&bytes);
-        let answer = Answer::Unsupported;
         assert_eq!(
             found,
             [Incoming::Refused {
