@@ -6,7 +6,7 @@ use crate::graph::ControlLogic;
 use crate::link::{
     ARM_DISARM, Answer, Incoming, LinkCounters, Message, Notice, Parser, Sender, Status,
 };
-use crate::safety::Arming;
+use crate::safety::FlightState;
 use crate::time::{Duration, Instant, micros};
 
 /// Between two heartbeats.
@@ -108,13 +108,15 @@ impl<P: Port> Link<P> {
     /// Sends a HEARTBEAT; left out where the serial line is still busy with earlier ones.
     ///
     /// Returns what the link counted, where frames were spoilt since it last did: for the log.
-    pub fn beat(&mut self, arming: Arming) -> Option<LinkCounters> {
-        let status = match arming {
-            Arming::Calibrating => Status::Calibrating,
-            Arming::Disarmed => Status::Standby,
-            Arming::Armed => Status::Active,
+    pub fn beat(&mut self, state: FlightState) -> Option<LinkCounters> {
+        let status = match state {
+            FlightState::Calibrating => Status::Calibrating,
+            FlightState::Disarmed => Status::Standby,
+            FlightState::Armed | FlightState::Flying => Status::Active,
+            FlightState::Waiting | FlightState::Descending => Status::Critical,
+            FlightState::Blind => Status::Emergency,
         };
-        let frame = self.sender.heartbeat(arming == Arming::Armed, status);
+        let frame = self.sender.heartbeat(state.is_armed(), status);
         let _ = self.port.send(frame.as_bytes());
         let counters = self.parser.counters();
         let news = counters.spoilt() != self.logged.spoilt();
@@ -123,6 +125,32 @@ impl<P: Port> Link<P> {
             counters
         })
     }
+}
+
+/// Tells the pilot what waits to be told, as long as the serial line takes it.
+fn tell_pilot<P: Port, R: Recorder, L: ControlLogic>(
+    link: &mut impl Lock<Target = Link<P>>,
+    pilot: &mut impl Lock<Target = Autopilot<R, L>>,
+) {
+    while let Some(notice) = pilot.lock(|pilot| pilot.notice()) {
+        if link.lock(|link| link.tell(&notice)).is_err() {
+            return;
+        }
+        pilot.lock(Autopilot::on_told);
+    }
+}
+
+/// Once a second: that the drone is there, its state, and what the pilot was not told yet.
+///
+/// Returns what the link counted, where frames were spoilt since it last did: for the log.
+pub fn beat<P: Port, R: Recorder, L: ControlLogic>(
+    link: &mut impl Lock<Target = Link<P>>,
+    pilot: &mut impl Lock<Target = Autopilot<R, L>>,
+) -> Option<LinkCounters> {
+    let state = pilot.lock(|pilot| pilot.telemetry().state);
+    let counters = link.lock(|link| link.beat(state));
+    tell_pilot(link, pilot);
+    counters
 }
 
 /// Takes what the link brought; messages go to the autopilot, answers back to the peer.
@@ -142,4 +170,5 @@ pub fn receive<P: Port, R: Recorder, L: ControlLogic>(
     if let Some(fault) = fault {
         pilot.lock(|pilot| pilot.on_fault(board.now(), fault));
     }
+    tell_pilot(link, pilot);
 }
