@@ -248,7 +248,7 @@ mod app {
         let (mut link, mut autopilot) = (cx.shared.link, cx.shared.autopilot);
         loop {
             let state = autopilot.lock(|pilot| pilot.telemetry());
-            if let Some(counters) = link.lock(|link| link.beat(state.arming)) {
+            if let Some(counters) = link.lock(|link| link.beat(now(), state.arming)) {
                 defmt::warn!("link: {}", counters);
             }
             Mono::delay(link::BEAT).await;
