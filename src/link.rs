@@ -20,6 +20,7 @@
 //! - Noise that looks like the start of a frame of another kind takes up to 267 following
 //!   bytes with it, or [`PATIENCE`], whichever ends first.
 
+mod admission;
 mod counters;
 mod decode;
 mod encode;
@@ -28,15 +29,19 @@ mod message;
 mod notice;
 mod parser;
 mod peers;
+mod roles;
+mod signing;
 #[cfg(test)]
 mod tests;
 
+pub use admission::Incoming;
 pub use counters::LinkCounters;
 pub use encode::{Frame, LONGEST_FRAME_OUT, Sender, Status};
 pub use message::{Answer, ArmCommand, Destination, ExternalPose, Message};
 pub use notice::{Notice, Severity};
-pub use parser::{Feed, Incoming, Parser};
+pub use parser::{Feed, Parser};
 pub use peers::Peer;
+pub use signing::{Signing, SigningKey};
 
 use crate::time::{Duration, micros};
 use mavlink::dialects::common::MavCmd;

@@ -247,7 +247,7 @@ mod app {
     async fn heartbeat(cx: heartbeat::Context) {
         let (mut link, mut autopilot) = (Guarded(cx.shared.link), Piloted(cx.shared.autopilot));
         loop {
-            if let Some(counters) = link::beat(&mut link, &mut autopilot) {
+            if let Some(counters) = link::beat(&mut Vectors, &mut link, &mut autopilot) {
                 defmt::warn!("link: {}", counters);
             }
             Mono::delay(link::BEAT).await;

@@ -7,11 +7,15 @@
 //! | SET_POSITION_TARGET_LOCAL_NED | [`Message::Goal`] | see [`destination`] |
 //! | COMMAND_LONG, COMMAND_INT | [`Message::Arm`] | see [`command`] |
 //! | ODOMETRY | [`Message::Pose`] | see [`pose`] |
+//! | SETUP_SIGNING | a [`SigningKey`] | its stamp has more than 48 bits |
+//!
+//! What names a target is refused for every system (0), and passed over where it is for others.
 //!
 //! The bounds on values are far outside of flight. They are there because finite numbers can
 //! be large enough to overflow in the control logic.
 
 use super::framing::RawFrame;
+use super::signing::SigningKey;
 use super::{
     ARM_DISARM, Answer, ArmCommand, COMPONENT, Destination, ExternalPose, Message, SYSTEM,
 };
@@ -21,7 +25,7 @@ use crate::units::{BodyRates, Position, Thrust, Velocity};
 use mavlink::dialects::common::{
     AttitudeTargetTypemask as Mask, COMMAND_INT_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavFrame,
     ODOMETRY_DATA, PositionTargetTypemask as PositionMask, SET_ATTITUDE_TARGET_DATA,
-    SET_POSITION_TARGET_LOCAL_NED_DATA,
+    SET_POSITION_TARGET_LOCAL_NED_DATA, SETUP_SIGNING_DATA,
 };
 use mavlink::{MavlinkVersion, MessageData};
 
@@ -51,11 +55,13 @@ pub(super) enum Decoded {
     Message(Message),
     /// A command for us that cannot be done; its number is owed this answer.
     RefusedCommand(u16, Answer),
+    /// A key to sign with.
+    Key(SigningKey),
     /// No payload.
     Empty,
     /// Addressed to another system or component.
     NotForUs,
-    /// A value that is not a number, out of range or not supported.
+    /// A value that is not a number, out of range or not supported; a setpoint for every system.
     Refused,
 }
 
@@ -65,29 +71,51 @@ pub(super) fn decode(frame: &RawFrame<'_>) -> Decoded {
     if payload.is_empty() {
         return Decoded::Empty;
     }
-    match frame.id {
-        HEARTBEAT_DATA::ID => Decoded::Message(Message::Heartbeat),
+    let decoded = match frame.id {
+        HEARTBEAT_DATA::ID => Some(Decoded::Message(Message::Heartbeat)),
         SET_ATTITUDE_TARGET_DATA::ID => attitude_target(payload),
         SET_POSITION_TARGET_LOCAL_NED_DATA::ID => position_target(payload),
-        COMMAND_INT_DATA::ID | COMMAND_LONG_DATA::ID => command(payload),
+        COMMAND_INT_DATA::ID | COMMAND_LONG_DATA::ID => Some(command(payload)),
         ODOMETRY_DATA::ID => odometry(payload),
-        _ => Decoded::Refused,
+        SETUP_SIGNING_DATA::ID => signing_key(payload),
+        _ => None,
+    };
+    decoded.unwrap_or(Decoded::Refused)
+}
+
+/// To whom a message is addressed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Target {
+    Us,
+    /// Every system: too many to be flown by one message. A component 0 of ours is us, many
+    /// clients do not ask for more.
+    Everyone,
+    Others,
+}
+
+impl Target {
+    fn of(system: u8, component: u8) -> Self {
+        match (system, component) {
+            (SYSTEM, 0 | COMPONENT) => Self::Us,
+            (0, 0 | COMPONENT) => Self::Everyone,
+            _ => Self::Others,
+        }
+    }
+
+    /// What the message becomes, if it is for us and sound.
+    fn then(self, decoded: impl FnOnce() -> Option<Decoded>) -> Decoded {
+        match self {
+            Self::Us => decoded().unwrap_or(Decoded::Refused),
+            Self::Everyone => Decoded::Refused,
+            Self::Others => Decoded::NotForUs,
+        }
     }
 }
 
-/// True where a message is addressed to us or to all.
-fn for_us(system: u8, component: u8) -> bool {
-    matches!(system, 0 | SYSTEM) && matches!(component, 0 | COMPONENT)
-}
-
-fn attitude_target(payload: &[u8]) -> Decoded {
-    match SET_ATTITUDE_TARGET_DATA::deser(MavlinkVersion::V2, payload) {
-        Ok(target) if !for_us(target.target_system, target.target_component) => Decoded::NotForUs,
-        Ok(target) => setpoint(&target).map_or(Decoded::Refused, |it| {
-            Decoded::Message(Message::Setpoint(it))
-        }),
-        Err(_) => Decoded::Refused,
-    }
+fn attitude_target(payload: &[u8]) -> Option<Decoded> {
+    let target = SET_ATTITUDE_TARGET_DATA::deser(MavlinkVersion::V2, payload).ok()?;
+    let to = Target::of(target.target_system, target.target_component);
+    Some(to.then(|| Some(Decoded::Message(Message::Setpoint(setpoint(&target)?)))))
 }
 
 /// The demand in a SET_ATTITUDE_TARGET; `None` where it is refused.
@@ -137,14 +165,10 @@ fn setpoint(target: &SET_ATTITUDE_TARGET_DATA) -> Option<Setpoint> {
     })
 }
 
-fn position_target(payload: &[u8]) -> Decoded {
-    match SET_POSITION_TARGET_LOCAL_NED_DATA::deser(MavlinkVersion::V2, payload) {
-        Ok(target) if !for_us(target.target_system, target.target_component) => Decoded::NotForUs,
-        Ok(target) => {
-            destination(&target).map_or(Decoded::Refused, |it| Decoded::Message(Message::Goal(it)))
-        }
-        Err(_) => Decoded::Refused,
-    }
+fn position_target(payload: &[u8]) -> Option<Decoded> {
+    let target = SET_POSITION_TARGET_LOCAL_NED_DATA::deser(MavlinkVersion::V2, payload).ok()?;
+    let to = Target::of(target.target_system, target.target_component);
+    Some(to.then(|| Some(Decoded::Message(Message::Goal(destination(&target)?)))))
 }
 
 /// The place in a SET_POSITION_TARGET_LOCAL_NED; `None` where it is refused.
@@ -219,11 +243,11 @@ fn command(payload: &[u8]) -> Decoded {
     ] = fields;
     let number = u16::from_le_bytes([low, high]);
     let arm = f32::from_le_bytes([p0, p1, p2, p3]);
+    let to = Target::of(system, component);
     let force = f32::from_le_bytes([q0, q1, q2, q3]) == FORCE;
-    if !for_us(system, component) {
-        return Decoded::NotForUs;
-    }
     match (number, arm) {
+        _ if to == Target::Others => Decoded::NotForUs,
+        _ if to == Target::Everyone => Decoded::RefusedCommand(number, Answer::Denied),
         (ARM_DISARM, 0.0 | 1.0) => Decoded::Message(Message::Arm(ArmCommand {
             arm: arm == 1.0,
             force,
@@ -233,15 +257,21 @@ fn command(payload: &[u8]) -> Decoded {
     }
 }
 
-fn odometry(payload: &[u8]) -> Decoded {
+/// The key in a SETUP_SIGNING; whether it may be set is not to be told from the frame.
+fn signing_key(payload: &[u8]) -> Option<Decoded> {
+    let setup = SETUP_SIGNING_DATA::deser(MavlinkVersion::V2, payload).ok()?;
+    let to = Target::of(setup.target_system, setup.target_component);
+    let key = || SigningKey::new(setup.secret_key, setup.initial_timestamp);
+    Some(to.then(|| key().map(Decoded::Key)))
+}
+
+fn odometry(payload: &[u8]) -> Option<Decoded> {
     let quality = payload.get(ODOMETRY_QUALITY).copied().unwrap_or(0);
-    let failed = i8::from_le_bytes([quality]) < 0;
-    match ODOMETRY_DATA::deser(MavlinkVersion::V2, payload) {
-        Ok(odometry) if !failed => {
-            pose(&odometry).map_or(Decoded::Refused, |it| Decoded::Message(Message::Pose(it)))
-        }
-        _ => Decoded::Refused,
+    if i8::from_le_bytes([quality]) < 0 {
+        return None;
     }
+    let odometry = ODOMETRY_DATA::deser(MavlinkVersion::V2, payload).ok()?;
+    Some(Decoded::Message(Message::Pose(pose(&odometry)?)))
 }
 
 /// The pose in an ODOMETRY; `None` where it is refused.

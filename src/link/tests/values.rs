@@ -178,13 +178,8 @@ fn arm_and_disarm_are_commands_of_zero_and_one() {
 #[test]
 fn a_command_with_integers_is_read_alike() {
     let command = COMMAND_INT_DATA {
-        param1: 1.0,
         param2: 21196.0,
-        x: -1,
-        command: MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
-        target_system: SYSTEM,
-        target_component: COMPONENT,
-        ..COMMAND_INT_DATA::DEFAULT
+        ..int_command()
     };
     let expected = ArmCommand {
         arm: true,
@@ -237,14 +232,30 @@ fn other_commands_are_answered_and_not_passed_on() {
 fn messages_for_others_are_neither_obeyed_nor_answered() {
     for system in 0..=255_u8 {
         for component in 0..=255_u8 {
-            let ours = system <= SYSTEM && component <= COMPONENT;
             let mut command = arm_command(1.0);
             (command.target_system, command.target_component) = (system, component);
-            assert_eq!(message_of(&command).is_some(), ours, "{system}/{component}");
+            let (found, counters) = read(&frame(0, &command));
+            let others = !matches!((system, component), (0 | SYSTEM, 0 | COMPONENT));
+            assert_eq!(counters.not_for_us, u32::from(others));
+            match (system, component) {
+                (SYSTEM, 0 | COMPONENT) => {
+                    assert!(matches!(found[..], [Incoming::Message { .. }]));
+                }
+                // One command would arm every drone that hears it.
+                (0, 0 | COMPONENT) => assert_eq!(
+                    found,
+                    [Incoming::Refused {
+                        from: GROUND,
+                        command: ARM_DISARM,
+                        answer: Answer::Denied,
+                    }]
+                ),
+                _ => assert!(found.is_empty(), "{system}/{component}"),
+            }
         }
         let mut target = attitude_target();
         target.target_system = system;
-        assert_eq!(message_of(&target).is_some(), system <= SYSTEM);
+        assert_eq!(message_of(&target).is_some(), system == SYSTEM);
         target = attitude_target();
         target.target_component = system;
         assert_eq!(message_of(&target).is_some(), system <= COMPONENT);
