@@ -38,6 +38,35 @@ impl Destination {
     }
 }
 
+/// What a command to arm or to disarm says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ArmCommand {
+    /// Arm; else disarm.
+    pub arm: bool,
+    /// Disarm in the air, too (`param2` is 21196); an arm command is never forced.
+    pub force: bool,
+}
+
+impl ArmCommand {
+    /// Arm, if the checks allow it.
+    pub const ARM: Self = Self {
+        arm: true,
+        force: false,
+    };
+
+    /// Disarm, on the ground.
+    pub const DISARM: Self = Self {
+        arm: false,
+        force: false,
+    };
+
+    /// Disarm, wherever the drone is.
+    pub const FORCED_DISARM: Self = Self {
+        arm: false,
+        force: true,
+    };
+}
+
 /// What a peer may send to the autopilot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Message {
@@ -45,8 +74,8 @@ pub enum Message {
     Heartbeat,
     /// What to fly (SET_ATTITUDE_TARGET).
     Setpoint(Setpoint),
-    /// Arm, or disarm (COMMAND_LONG, MAV_CMD_COMPONENT_ARM_DISARM).
-    Arm(bool),
+    /// Arm, or disarm (COMMAND_LONG or COMMAND_INT, MAV_CMD_COMPONENT_ARM_DISARM).
+    Arm(ArmCommand),
     /// Where the drone is (ODOMETRY).
     Pose(ExternalPose),
     /// Where to fly (SET_POSITION_TARGET_LOCAL_NED).
@@ -70,7 +99,7 @@ impl Message {
     }
 }
 
-/// The answer to an arm or disarm command (MAV_RESULT in COMMAND_ACK).
+/// The answer to a command (MAV_RESULT in COMMAND_ACK).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum Answer {
@@ -78,6 +107,8 @@ pub enum Answer {
     Accepted,
     /// Not now: the reason is in the log. The peer may ask again.
     TemporarilyRejected,
+    /// Not so: a parameter means nothing here.
+    Denied,
     /// Never: the command is not one of ours.
     Unsupported,
 }

@@ -6,7 +6,7 @@ use super::{DecodeError, LONGEST_RECORD};
 use crate::airframe::MotorShares;
 use crate::app::{ChipAction, ChipOrder, ChipSetting, OrderError};
 use crate::control::{Setpoint, Yaw};
-use crate::link::{Destination, ExternalPose, Message};
+use crate::link::{ArmCommand, Destination, ExternalPose, Message};
 use crate::math::{Quaternion, Vec3};
 use crate::sensors::{Cause, ImuReading, Input};
 use crate::settings::MOST_MOTORS;
@@ -82,9 +82,9 @@ impl<'b> Encoder<'b> {
                 self.byte(u8::from(setpoint.yaw == Yaw::Rate));
                 self.float(setpoint.thrust.share());
             }
-            Message::Arm(arm) => {
+            Message::Arm(ArmCommand { arm, force }) => {
                 self.byte(2);
-                self.byte(u8::from(*arm));
+                self.put([u8::from(*arm), u8::from(*force)]);
             }
             Message::Pose(pose) => {
                 self.byte(3);
@@ -229,7 +229,10 @@ impl<'b> Decoder<'b> {
                 },
                 thrust: Thrust::new(self.float()?).ok_or(DecodeError::Unknown(1))?,
             }),
-            2 => Message::Arm(self.byte()? == 1),
+            2 => Message::Arm(ArmCommand {
+                arm: self.byte()? == 1,
+                force: self.byte()? == 1,
+            }),
             3 => Message::Pose(ExternalPose {
                 position: Position(self.vector()?),
                 velocity: Velocity(self.vector()?),
