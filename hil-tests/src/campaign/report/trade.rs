@@ -3,11 +3,10 @@
 use anyhow::Result;
 
 use super::Shown;
-use super::bars::{COLOURS, point};
+use super::bars::COLOURS;
 use super::figures::svg;
 use crate::campaign::comparison::Metric;
 use crate::campaign::findings::{Findings, Means};
-use crate::campaign::interval::Interval;
 use crate::campaign::load::Load;
 use crate::campaign::plan::Plan;
 use crate::campaign::role::{Pace, Role};
@@ -42,7 +41,11 @@ fn error_over_runs(plan: &Plan, findings: &Findings) -> Result<Shown> {
         x: Axis::new("runs per second", Scale::Logarithmic),
         y: Axis::new("attitude error, degrees", Scale::Logarithmic),
         curves: curves(plan, findings, names, &|means, _| {
-            Some(point(means.rate_hz?.mean, &error(means)?))
+            Some(Point {
+                x: means.rate_hz?.mean,
+                y: error(means)?,
+                ..Point::default()
+            })
         }),
     });
     let title = "Attitude error over runs per second";
@@ -52,8 +55,9 @@ fn error_over_runs(plan: &Plan, findings: &Findings) -> Result<Shown> {
         title,
         svg: svg(plan, title, panels)?,
         ours: format!(
-            "{WHO} Budgets of {} ms; rates of {} Hz. Means over seeds, with 95 % intervals of the error; \
-             what crashed is left out.",
+            "{WHO} Budgets of {} ms; rates of {} Hz. Means over seeds; what crashed is left out. \
+             Seeds differ by their winds, in which all curves of a panel move together: intervals between \
+             seeds would say little.",
             listed(plan.trade.budgets_us.iter().map(|us| f64::from(*us) / 1e3)),
             listed(plan.trade.rates_hz.iter().map(|hz| f64::from(*hz))),
         ),
@@ -69,7 +73,7 @@ fn load_over_error(plan: &Plan, findings: &Findings) -> Result<Shown> {
         curves: curves(plan, findings, names, &|means, is_reactive| {
             let load = findings.loads.iter().find(|load| load.cell.is(names))?;
             Some(Point {
-                x: error(means)?.mean,
+                x: error(means)?,
                 y: 100.0 * busy(load, is_reactive, means.rate_hz?.mean)?,
                 ..Point::default()
             })
@@ -164,8 +168,8 @@ fn look(plan: &Plan, paces: &Paces<'_>) -> Look {
     }
 }
 
-fn error(means: &Means) -> Option<Interval> {
-    means.metrics.get(&Metric::Attitude).copied()
+fn error(means: &Means) -> Option<f64> {
+    Some(means.metrics.get(&Metric::Attitude)?.mean)
 }
 
 fn busy(load: &Load, is_reactive: bool, rate_hz: f64) -> Option<f64> {
