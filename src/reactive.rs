@@ -592,6 +592,7 @@ impl Reactive {
             })
         });
         if found.is_none() {
+            // No setting: a refit comes a quarter late at most, and few samples pay for the look.
             self.next_refit = now + REFIT_INTERVAL / 4;
         }
         found

@@ -48,7 +48,7 @@ pub use shard::Shard;
 use crew::Orders;
 use journal::{Journal, Records, Stamp};
 use plan::USUAL_HZ;
-use role::Role;
+use role::{Pace, Role};
 use rule::{Contender, Tempo};
 use sortie::{AS_CONFIGURED, Job, Sortie, Tier};
 
@@ -106,8 +106,11 @@ pub fn campaign(
         fs::write(&path, bytes).with_context(|| format!("{} cannot be written", path.display()))
     };
     write("flights.parquet", &table::parquet(&records)?)?;
-    let page = report::html(plan, &records, &findings, date)?;
-    write("report.html", page.as_bytes())?;
+    let report = report::report(plan, &records, &findings, date)?;
+    write("report.html", report.page.as_bytes())?;
+    for figure in &report.figures {
+        write(&format!("{}.svg", figure.file), figure.svg.as_bytes())?;
+    }
     Ok(findings)
 }
 
@@ -182,7 +185,9 @@ impl Flying<'_> {
     fn job(&self, sortie: &Sortie) -> Option<Job> {
         let records = &self.journal.records;
         let period_us = match sortie.role {
-            Role::Periodic(hz) => Some(load::period_us(f64::from(hz))),
+            Role::Periodic(hz) | Role::Traded(_, Pace::Rate(hz)) => {
+                Some(load::period_us(f64::from(hz)))
+            }
             Role::EqualTime => {
                 let load = load::measured(self.plan, records, sortie)?;
                 Some(load.period_us())
@@ -204,7 +209,7 @@ impl Flying<'_> {
             },
         };
         let bandwidth = match sortie.role {
-            Role::Margin(_, percent, _) => percent,
+            Role::Margin(_, percent, _) | Role::Traded(percent, _) => percent,
             Role::Tuned(rule, of) => tuning::fastest(records, sortie, rule, of)?,
             _ => AS_CONFIGURED,
         };

@@ -62,6 +62,14 @@ pub const REACTIVE: &[Setting] = &[
         .default("0.5")
         .named("REFIT_INTERVAL")
         .meaning("Time between refits."),
+    number("learning", "refit_news_share", 0.0, 1.0)
+        .default("0.1")
+        .named("REFIT_NEWS")
+        .meaning("Weight of new labels that is worth a refit, as a share of those before."),
+    span("learning", "longest_refit_interval_s", 0.05, 600.0)
+        .default("5")
+        .named("LONGEST_REFIT_INTERVAL")
+        .meaning("After this long a model is refitted, whatever is new."),
     number("learning", "exploration_share", 0.0, 0.1)
         .default("0.00048828125")
         .named("EXPLORATION_SHARE")

@@ -121,6 +121,12 @@ impl Mpu6050 {
         self.port = Port::default();
     }
 
+    /// A register falls to another value by itself: no master wrote it.
+    pub fn corrupt(&mut self, now_ns: u64, address: u8, value: u8) {
+        self.advance(now_ns);
+        self.store(address, value);
+    }
+
     fn threshold_g(&self) -> f64 {
         let code = f64::from(self.registers.get(registers::MOT_THR));
         code * self.options.motion_threshold_lsb_mg / 1000.0

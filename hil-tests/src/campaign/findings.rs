@@ -221,11 +221,14 @@ fn in_order(mut swept: Vec<Swept>) -> Vec<Swept> {
     swept
 }
 
-/// Every cell in every role that is compared.
+/// Every cell in every role that is compared, or that error is traded for runs in.
 fn means(plan: &Plan, records: &Records) -> Vec<Means> {
+    let trade = &plan.trade;
+    let traded = trade.bandwidths.iter().flat_map(|it| trade.roles(*it));
     let roles: BTreeSet<Role> = comparisons()
         .into_iter()
         .flat_map(|it| [it.of, it.against])
+        .chain(traded)
         .collect();
     let of_role = |role| {
         let cells = comparison::pairs(plan, records, (role, role));

@@ -2,7 +2,7 @@
 
 use reflex::config::AIRFRAME;
 
-use super::plan::Plan;
+use super::plan::{Plan, Trade};
 
 /// A control logic with the gains of a real airframe.
 const IRIS_PLUS: &str = "arducopter/iris_plus";
@@ -30,12 +30,39 @@ impl Plan {
             tuned_seeds: 10,
             hover_seeds: 10,
             rates_hz: vec![12, 25, 50, 100, 200, 1000],
+            trade: Trade::default(),
             sweep_logic: "arducopter".into(),
             p_runs: vec![200, 300, 400, 500, 700, 800],
             failsafes: vec![10, 50, 200, 300],
             duration_s: 100,
             long: ("hexa_x".into(), 600),
             emulated_s: Some(60),
+        }
+    }
+
+    /// Error over runs, and load over error, for loops of one to three times the bandwidth.
+    pub(super) fn trade() -> Self {
+        Self {
+            name: "trade".into(),
+            environments: owned(&["lab", "arch"]),
+            airframes: owned(&["quad_x"]),
+            logics: owned(&["arducopter", IRIS_PLUS, "openpilot", "cascade"]),
+            seeds: 6,
+            sweep_seeds: 0,
+            tuned_seeds: 0,
+            hover_seeds: 6,
+            rates_hz: Vec::new(),
+            trade: Trade {
+                bandwidths: vec![100, 200, 300],
+                budgets_us: vec![1_250, 2_500, 5_000, 12_500, 25_000, 50_000],
+                rates_hz: vec![12, 18, 25, 40, 60, 100, 200, 400],
+            },
+            sweep_logic: "arducopter".into(),
+            p_runs: Vec::new(),
+            failsafes: Vec::new(),
+            duration_s: 60,
+            long: ("quad_x".into(), 120),
+            emulated_s: Some(30),
         }
     }
 
@@ -51,6 +78,7 @@ impl Plan {
             tuned_seeds: 0,
             hover_seeds: 1,
             rates_hz: vec![25],
+            trade: Trade::default(),
             sweep_logic: IRIS_PLUS.into(),
             p_runs: vec![300],
             failsafes: vec![200],

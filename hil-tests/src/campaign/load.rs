@@ -13,9 +13,9 @@ use super::role::Role;
 use super::sortie::{CellName, PERIODS_US, Sortie, Tier};
 use crate::closed_loop::report::FlightReport;
 
-/// What a run of time-triggered control takes of the processor.
+/// What a policy takes of the processor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct PeriodicLoad {
+pub struct PolicyLoad {
     /// Busy share without any run.
     pub idle: f64,
     /// Busy share of a run a second, s.
@@ -35,14 +35,16 @@ pub struct Load {
     /// Share of these runs that were time-triggered: to learn, or because models were not trusted.
     pub learning: f64,
     /// What time-triggered control takes.
-    pub periodic: PeriodicLoad,
+    pub periodic: PolicyLoad,
+    /// What reactive control takes, where it was flown with another budget too.
+    pub reactive: Option<PolicyLoad>,
     /// The rate of time-triggered control that is as busy, Hz; may be out of its range.
     pub equal_time_hz: f64,
     /// The rate that is flown: 11 to 1000 Hz.
     pub flown_hz: f64,
 }
 
-impl PeriodicLoad {
+impl PolicyLoad {
     /// Through two points of rate and load; none where more runs are not more work.
     fn through([(rate, busy), (more, busier)]: [(f64, f64); 2]) -> Option<Self> {
         let per_run_s = (busier - busy) / (more - rate);
@@ -50,6 +52,12 @@ impl PeriodicLoad {
             idle: busy - per_run_s * rate,
             per_run_s,
         })
+    }
+
+    /// How busy it is at a rate in Hz.
+    #[must_use]
+    pub fn busy(self, rate_hz: f64) -> f64 {
+        self.idle + self.per_run_s * rate_hz
     }
 
     /// The rate at which it is so busy, Hz.
@@ -92,10 +100,11 @@ pub fn measured(plan: &Plan, records: &Records, sortie: &Sortie) -> Option<Load>
         seen(records, emulated)
     };
     let [slow, fast] = LOAD_RATES_HZ.map(|hz| point(Role::Periodic(hz)));
-    let periodic = PeriodicLoad::through([slow?, fast?])?;
+    let periodic = PolicyLoad::through([slow?, fast?])?;
     let reactive = needs.iter().find(|need| need.role == Role::Reactive)?;
     let (rate_hz, busy) = seen(records, reactive)?;
     let report = &records.flights.get(reactive)?.report;
+    let finest = plan.trade.finest().and_then(point);
     let equal_time_hz = periodic.rate_hz(busy);
     Some(Load {
         cell: sortie.cell(),
@@ -103,6 +112,7 @@ pub fn measured(plan: &Plan, records: &Records, sortie: &Sortie) -> Option<Load>
         rate_hz,
         learning: learning_share(report).unwrap_or_default(),
         periodic,
+        reactive: finest.and_then(|finest| PolicyLoad::through([(rate_hz, busy), finest])),
         equal_time_hz,
         flown_hz: 1e6 / period_us(equal_time_hz) as f64,
     })
@@ -139,10 +149,10 @@ mod tests {
 
     #[test]
     fn equal_time_is_where_the_line_is_as_busy() {
-        let line = PeriodicLoad::through([(100.0, 0.03), (400.0, 0.06)]).unwrap();
+        let line = PolicyLoad::through([(100.0, 0.03), (400.0, 0.06)]).unwrap();
         assert!((line.idle - 0.02).abs() < 1e-12 && (line.per_run_s - 1e-4).abs() < 1e-15);
         assert!((line.rate_hz(0.045) - 250.0).abs() < 1e-9);
-        assert_eq!(PeriodicLoad::through([(100.0, 0.03), (400.0, 0.03)]), None);
+        assert_eq!(PolicyLoad::through([(100.0, 0.03), (400.0, 0.03)]), None);
     }
 
     #[test]

@@ -5,14 +5,14 @@ use std::collections::BTreeSet;
 use clap::ValueEnum;
 
 use super::margins;
-use super::role::Role;
+use super::role::{Pace, Role};
 use super::rule::Contender;
-use super::sortie::{CellName, Sortie, Tier};
+use super::sortie::{AS_CONFIGURED, CellName, Sortie, Tier};
 use crate::logics::LogicName;
 use crate::refusal::Refusal;
 
 /// Every plan's name.
-pub const NAMES: [&str; 2] = ["paper", "smoke"];
+pub const NAMES: [&str; 3] = ["paper", "trade", "smoke"];
 /// Most seeds of a plan.
 pub const MOST_SEEDS: u32 = 10_000;
 /// Rates of time-triggered control that the load is worked out from, Hz.
@@ -45,6 +45,8 @@ pub struct Plan {
     pub hover_seeds: u32,
     /// Rates of time-triggered control that its error is shown over, Hz, besides the usual one.
     pub rates_hz: Vec<u32>,
+    /// What error is traded for runs with.
+    pub trade: Trade,
     /// The logic that they are varied with.
     pub sweep_logic: String,
     /// Values of `P_run` in thousandths, besides that of `config/`.
@@ -59,6 +61,34 @@ pub struct Plan {
     pub emulated_s: Option<u32>,
 }
 
+/// Loops of several bandwidths, each with several budgets and at several rates.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trade {
+    /// Bandwidths, in % of the configured one.
+    pub bandwidths: Vec<u32>,
+    /// Budgets of reactive control in us, the finest first.
+    pub budgets_us: Vec<u32>,
+    /// Rates of time-triggered control, Hz.
+    pub rates_hz: Vec<u32>,
+}
+
+impl Trade {
+    /// The roles of one bandwidth, reactive ones first.
+    pub fn roles(&self, percent: u32) -> impl Iterator<Item = Role> {
+        let budgets = self.budgets_us.iter().copied().map(Pace::Budget);
+        let rates = self.rates_hz.iter().copied().map(Pace::Rate);
+        let paces = budgets.chain(rates);
+        paces.map(move |pace| Role::Traded(percent, pace))
+    }
+
+    /// The role with the most runs and loops as configured.
+    #[must_use]
+    pub fn finest(&self) -> Option<Role> {
+        let finest = Pace::Budget(*self.budgets_us.first()?);
+        Some(Role::Traded(AS_CONFIGURED, finest))
+    }
+}
+
 /// Flights that are flown by the same part of a campaign.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unit(pub Vec<Sortie>);
@@ -71,6 +101,7 @@ impl Plan {
     pub fn named(name: &str, seeds: Option<u32>) -> Result<Self, Refusal> {
         let mut plan = match name {
             "paper" => Self::paper(),
+            "trade" => Self::trade(),
             "smoke" => Self::smoke(),
             _ => {
                 let known = NAMES.join(", ");
@@ -217,6 +248,8 @@ impl Plan {
         if shows_rates && seed <= RATE_SEEDS.min(self.sweep_seeds) {
             roles.extend(self.rates_hz.iter().copied().map(Role::Periodic));
         }
+        let trade = &self.trade;
+        roles.extend(trade.bandwidths.iter().flat_map(|it| trade.roles(*it)));
         if *logic == self.sweep_logic && seed <= self.sweep_seeds {
             roles.extend(self.p_runs.iter().copied().map(Role::PRun));
             roles.extend(self.failsafes.iter().copied().map(Role::Failsafe));
@@ -283,10 +316,13 @@ impl Plan {
         };
         let windiest = self.environments.last()?;
         let clock = LOAD_RATES_HZ.map(|hz| sortie(windiest, Role::Periodic(hz)));
-        let reactive = self
-            .environments
-            .iter()
-            .map(|environment| sortie(environment, Role::Reactive));
+        let reactive = self.environments.iter().flat_map(|environment| {
+            let roles = [Some(Role::Reactive), self.trade.finest()];
+            roles
+                .into_iter()
+                .flatten()
+                .map(|role| sortie(environment, role))
+        });
         Some(Unit(clock.into_iter().chain(reactive).collect()))
     }
 
@@ -330,7 +366,7 @@ impl Plan {
         let flights = unit.map(|unit| unit.0).unwrap_or_default();
         let is_needed = |flight: &Sortie| match flight.role {
             Role::Periodic(_) => true,
-            role => role == Role::Reactive && flight.environment == sortie.environment,
+            _ => flight.environment == sortie.environment,
         };
         flights.into_iter().filter(is_needed).collect()
     }
@@ -373,7 +409,7 @@ mod tests {
     #[test]
     fn a_plan_of_an_unknown_name_lists_the_known_ones() {
         let error = Plan::named("papers", None).unwrap_err();
-        let line = "papers: is no plan, must be one of paper, smoke";
+        let line = "papers: is no plan, must be one of paper, trade, smoke";
         assert_eq!(error.to_string(), line);
         for seeds in [0, MOST_SEEDS + 1] {
             let error = Plan::named("smoke", Some(seeds)).unwrap_err().to_string();
@@ -406,11 +442,17 @@ mod tests {
             assert_eq!(needs.len(), 3);
             assert!(needs.iter().all(|need| part.contains(need)));
         }
+        let trade = Plan::named("trade", Some(1)).unwrap();
+        let needs = trade.needs(&trade.cells()[0]);
+        let finest = needs
+            .iter()
+            .filter(|need| Some(need.role) == trade.trade.finest());
+        assert_eq!((needs.len(), finest.count()), (4, 1));
     }
 
     #[test]
     fn hours_are_those_of_all_flights_and_choose_the_seeds() {
-        for (name, seeds) in [("paper", 1), ("paper", 40), ("smoke", 3)] {
+        for (name, seeds) in [("paper", 1), ("paper", 40), ("trade", 2), ("smoke", 3)] {
             let plan = Plan::named(name, Some(seeds)).unwrap();
             let all = hours(&plan, Tier::Native) + hours(&plan, Tier::Emulated);
             assert!((plan.hours() - all).abs() < 1e-9, "{name} {seeds}");

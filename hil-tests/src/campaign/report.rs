@@ -1,4 +1,4 @@
-//! `report.html`: one page that works offline, its figures within it.
+//! `report.html`: one page that works offline, its figures within it and beside it.
 //!
 //! Everything follows from the journals; only one line, the date, does not. The template escapes
 //! all text.
@@ -10,6 +10,7 @@ mod method;
 mod paper;
 mod rate_sweep;
 mod tables;
+mod trade;
 
 use anyhow::Result;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -34,24 +35,36 @@ svg { max-width: 100%; height: auto }
 @media print { figure { break-inside: avoid } }
 ";
 
+/// What a campaign has to show.
+pub struct Report {
+    /// The page.
+    pub page: String,
+    /// Its figures.
+    pub figures: Vec<Shown>,
+}
+
 /// A figure with its number in the paper, and what is said below it.
-struct Shown {
+pub struct Shown {
+    /// Name of its file, without `.svg`.
+    pub file: &'static str,
     /// As in the paper; empty for one that it has not.
     number: &'static str,
     title: &'static str,
-    svg: String,
+    /// As an SVG document.
+    pub svg: String,
     /// What is ours.
     ours: String,
     /// What the paper says of its own.
     paper: &'static str,
 }
 
-/// The page.
+/// The page and its figures.
 ///
 /// # Errors
 /// None in practice: nothing is written but a string.
-pub fn html(plan: &Plan, records: &Records, findings: &Findings, date: &str) -> Result<String> {
+pub fn report(plan: &Plan, records: &Records, findings: &Findings, date: &str) -> Result<Report> {
     let mut figures = figures::all(plan, records, findings)?;
+    figures.extend(trade::figures(plan, findings)?);
     figures.push(rate_sweep::figure(plan, findings)?);
     let page = html! {
         (DOCTYPE)
@@ -74,7 +87,10 @@ pub fn html(plan: &Plan, records: &Records, findings: &Findings, date: &str) -> 
             }
         }
     };
-    Ok(page.into_string() + "\n")
+    Ok(Report {
+        page: page.into_string() + "\n",
+        figures,
+    })
 }
 
 fn figure(shown: &Shown) -> Markup {

@@ -30,12 +30,23 @@ pub enum Role {
     Failsafe(u32),
     /// Whether loops so fast, in % of the configured bandwidth, bear a strain in hovering flight.
     Margin(Tempo, u32, Strain),
+    /// Loops of a bandwidth in % whose control runs at another pace: error is traded for runs.
+    Traded(u32, Pace),
     /// Control whose loops are as fast as a rule allows.
     Tuned(Rule, Contender),
     /// Hovering instead of going round waypoints.
     Hovering(Contender),
     /// Hovering with a disturbance observer in the cascade.
     Observing(Contender),
+}
+
+/// How often control runs where error is traded for runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Pace {
+    /// Reactively, with a budget in us.
+    Budget(u32),
+    /// By the clock, at a rate in Hz.
+    Rate(u32),
 }
 
 impl Role {
@@ -74,6 +85,8 @@ impl fmt::Display for Role {
             Self::EqualTime => f.write_str("equal-time"),
             Self::PRun(thousandths) => write!(f, "p-run-{}", f64::from(*thousandths) / 1000.0),
             Self::Failsafe(ms) => write!(f, "failsafe-{}", f64::from(*ms) / 1000.0),
+            Self::Traded(percent, Pace::Budget(us)) => write!(f, "traded-{percent}-budget-{us}us"),
+            Self::Traded(percent, Pace::Rate(hz)) => write!(f, "traded-{percent}-rate-{hz}hz"),
             Self::Tuned(rule, of) => write!(f, "tuned-{}-{rule}", of.name()),
             Self::Hovering(of) => write!(f, "hovering-{}", of.name()),
             Self::Observing(of) => write!(f, "observing-{}", of.name()),
@@ -115,6 +128,15 @@ fn of_contender(text: &str) -> Option<Role> {
             let rule = rest.strip_prefix(of.name())?.strip_prefix('-')?;
             Some(Role::Tuned(Rule::named(rule)?, of))
         }),
+        "traded" => {
+            let (percent, pace) = rest.split_once('-')?;
+            let pace = match pace.split_once('-')? {
+                ("budget", us) => Pace::Budget(us.strip_suffix("us")?.parse().ok()?),
+                ("rate", hz) => Pace::Rate(hz.strip_suffix("hz")?.parse().ok()?),
+                _ => return None,
+            };
+            Some(Role::Traded(percent.parse().ok()?, pace))
+        }
         "hovering" => Some(Role::Hovering(contender(rest)?)),
         "observing" => Some(Role::Observing(contender(rest)?)),
         "margin" => {
@@ -160,6 +182,10 @@ mod tests {
                 prop::sample::select(&Contender::ALL[..])
             )
                 .prop_map(|(rule, of)| Role::Tuned(rule, of)),
+            (1..1000u32, 1..100_000u32)
+                .prop_map(|(percent, us)| Role::Traded(percent, Pace::Budget(us))),
+            (1..1000u32, 1..2000u32)
+                .prop_map(|(percent, hz)| Role::Traded(percent, Pace::Rate(hz))),
             prop::sample::select(&Contender::ALL[..]).prop_map(Role::Hovering),
             prop::sample::select(&Contender::ALL[..]).prop_map(Role::Observing),
             (
@@ -193,6 +219,7 @@ mod tests {
             "margin-reactive-100-wear",
             "margin-runs-of-7ms-0.1rad_s-100-gain",
             "tuned-reactive-10ms",
+            "traded-100-rate-9us",
             "-",
         ] {
             let error = text.parse::<Role>().unwrap_err();

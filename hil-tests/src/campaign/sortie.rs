@@ -11,7 +11,7 @@ use reflex::time::micros;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::role::Role;
+use super::role::{Pace, Role};
 use crate::closed_loop::contention::Contention;
 use crate::closed_loop::{FlyOptions, Mission, Stress};
 use crate::logics::{GainSet, LogicName};
@@ -165,6 +165,7 @@ impl Job {
                 settings.triggers = Inputs::OF_IMU.without(Input::Command).without(Input::Owed);
             }
             Role::PRun(thousandths) => settings.p_run = thousandths as f32 / 1000.0,
+            Role::Traded(_, Pace::Budget(us)) => settings.budget = micros(u64::from(us)),
             Role::Failsafe(ms) => settings.failsafe = micros(u64::from(ms) * 1000),
             _ => {}
         }
@@ -213,6 +214,8 @@ mod tests {
         let settings = |role, period_us| job(role, period_us).options().unwrap().settings;
         assert_eq!(settings(Role::PRun(300), None).p_run, 0.3);
         assert_eq!(settings(Role::Failsafe(50), None).failsafe, micros(50_000));
+        let traded = Role::Traded(AS_CONFIGURED, Pace::Budget(2500));
+        assert_eq!(settings(traded, None).budget, micros(2500));
         assert_eq!(settings(Role::Reactive, None).seed, 7);
         let clock = settings(Role::Periodic(400), Some(2500));
         assert_eq!(

@@ -284,7 +284,8 @@ fn improvements_are_those_of_pairs_and_crashes_are_counted_and_in_no_mean() {
     let time = cell.improvement_percent[&Metric::FlightTime];
     assert_eq!((time.mean, time.half_width), (0.0, Some(0.0)));
     assert_eq!((findings.crashes.len(), findings.undecided), (1, 1));
-    let page = report::html(&plan, &records, &findings, DATE).unwrap();
+    let page = report::report(&plan, &records, &findings, DATE);
+    let page = page.unwrap().page;
     assert!(page.contains("hit &lt;the&gt; ground &amp; all") && !page.contains("<the>"));
     assert!(page.contains("1 flights crashed."));
     assert!(

@@ -19,7 +19,7 @@ const FOLDER: &str = "target/hil/campaign";
 /// What a campaign is told.
 #[derive(Clone, Debug, Args)]
 pub(super) struct CampaignArguments {
-    /// The plan: `paper` for 260 hours, `smoke` for two minutes' work
+    /// The plan: `paper` for 260 hours, `trade` for error over runs and load over error, `smoke` for two minutes' work
     #[arg(value_name = "NAME")]
     name: String,
     /// Fly the I-th of N equal parts, for a cluster; parts may share a folder
@@ -116,7 +116,7 @@ fn summary(findings: &Findings, options: &CampaignOptions) -> String {
         heading(),
     ];
     lines.extend(findings.comparisons.iter().map(comparison));
-    for name in ["flights.parquet", "report.html"] {
+    for name in ["flights.parquet", "report.html", "*.svg"] {
         lines.push(options.folder.join(name).display().to_string());
     }
     lines.join("\n") + "\n"

@@ -1,8 +1,8 @@
 //! One input: what it is measured against, what it learned, and how.
 
 use crate::config::{
-    Changes, FORGETTING, LABELS_OF_EACH_CLASS, LONGEST_WARM_UP, REFIT_INTERVAL, STABLE_CHANGE,
-    of_input,
+    Changes, FORGETTING, LABELS_OF_EACH_CLASS, LONGEST_REFIT_INTERVAL, LONGEST_WARM_UP, REFIT_NEWS,
+    STABLE_CHANGE, of_input,
 };
 use crate::math::Vec3;
 use crate::reactive::{
@@ -17,12 +17,6 @@ use crate::time::{Duration, Instant, micros, seconds, span};
 ///
 /// Half of the longest warm-up: as long again is left to learn from lags before that ends.
 pub(super) const PATIENCE: Duration = micros(LONGEST_WARM_UP.ticks() / 2);
-
-/// Labels are news from this share of those on whose like the last refit was made.
-const NEWS: f32 = 0.1;
-
-/// After this long an input is refitted, news or none.
-const SELDOM: Duration = micros(10 * REFIT_INTERVAL.ticks());
 
 /// The ends of the bins of an input's changes, in the unit that the firmware counts in.
 pub fn changes_of(input: Input, settings: &Settings) -> Changes {
@@ -155,7 +149,7 @@ impl Lesson {
     /// True where labels came since the last refit that may move the threshold, or it is long ago.
     pub(in crate::reactive) fn has_news(&self, now: Instant) -> bool {
         let new = self.labels.total() - self.fitted;
-        new > NEWS * self.fitted || span(self.refitted, now) >= SELDOM
+        new > REFIT_NEWS * self.fitted || span(self.refitted, now) >= LONGEST_REFIT_INTERVAL
     }
 
     /// Learning begins: what passed since the last refit makes no label older.

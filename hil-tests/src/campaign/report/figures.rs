@@ -53,6 +53,7 @@ fn unchanged(plan: &Plan, findings: &Findings) -> Result<Shown> {
     });
     let title = "Commands that do not change, time-triggered at 400 Hz";
     Ok(Shown {
+        file: "unchanged",
         number: "5",
         title,
         svg: svg(plan, title, panels.collect())?,
@@ -112,6 +113,7 @@ fn pitch(plan: &Plan, findings: &Findings) -> Result<Shown> {
     let title = "Improvement in pitch error";
     let panels = against_each(plan, findings, &[Metric::Pitch], Some(paper::PITCH_PERCENT));
     Ok(Shown {
+        file: "pitch_error",
         number: "9",
         title,
         svg: svg(plan, title, panels)?,
@@ -124,6 +126,7 @@ fn roll_and_yaw(plan: &Plan, findings: &Findings) -> Result<Shown> {
     let title = "Improvement in roll and yaw error";
     let panels = against_each(plan, findings, &[Metric::Roll, Metric::Yaw], None);
     Ok(Shown {
+        file: "roll_and_yaw_error",
         number: "10",
         title,
         svg: svg(plan, title, panels)?,
@@ -137,6 +140,7 @@ fn flight_time(plan: &Plan, findings: &Findings) -> Result<Shown> {
     let range = Some(paper::FLIGHT_TIME_PERCENT);
     let panels = against_each(plan, findings, &[Metric::FlightTime], range);
     Ok(Shown {
+        file: "flight_time",
         number: "12",
         title,
         svg: svg(plan, title, panels)?,
@@ -177,6 +181,7 @@ fn rate(plan: &Plan, records: &Records) -> Result<Shown> {
         curves: curves.collect(),
     };
     Ok(Shown {
+        file: "rate",
         number: "11",
         title,
         svg: svg(plan, title, vec![panel])?,
@@ -230,6 +235,7 @@ fn ways(plan: &Plan, findings: &Findings) -> Result<Shown> {
         curves: curves.collect(),
     };
     Ok(Shown {
+        file: "instructions",
         number: "13",
         title,
         svg: svg(plan, title, vec![panel])?,
@@ -308,6 +314,7 @@ fn sweeps(plan: &Plan, findings: &Findings) -> Result<Shown> {
     }
     let title = "Improvement in pitch error with other settings";
     Ok(Shown {
+        file: "settings",
         number: "14",
         title,
         svg: svg(plan, title, panels)?,

@@ -29,6 +29,7 @@ pub fn figure(plan: &Plan, findings: &Findings) -> Result<Shown> {
     let title = "Time-triggered control at other rates, against its own 400 Hz";
     let airframe = plan.airframes.first().map_or("", String::as_str);
     Ok(Shown {
+        file: "rates",
         number: "",
         title,
         svg: svg(plan, title, panels.collect())?,

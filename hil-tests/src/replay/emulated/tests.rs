@@ -1,6 +1,7 @@
 //! Whole replays: the firmware on its board, fed with real flights.
 
 mod load;
+mod second_opinion;
 
 use std::path::PathBuf;
 
