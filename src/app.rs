@@ -29,6 +29,7 @@ use crate::reactive::{
     Column, FallbackReason, Fit, Foresight, Phase, PhaseEvent, Reactive, Refit, RefitJob, Review,
     Run, Situation, Sounding,
 };
+use crate::reset::Reset;
 use crate::safety::{Arming, ArmingEvent, MotorOutput, Passed, Refusal, Safety};
 use crate::sensors::{ChipSample, ImuReading, Input, Inputs};
 use crate::settings::{Settings, Start};
@@ -53,6 +54,8 @@ pub struct Autopilot<R, L = Flown> {
     safety: Safety,
     /// Orders to the chips that compare by themselves.
     chips: Chips,
+    /// Why the board started.
+    reset: Option<Reset>,
     /// What happened.
     record: Record<R>,
 }
@@ -78,6 +81,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             graph,
             safety: Safety::new(motors),
             chips: Chips::new(&settings),
+            reset: None,
             record: Record::new(recorder),
         }
     }
@@ -278,6 +282,12 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     #[must_use]
     pub fn foresees(&self) -> bool {
         self.reactive.foresight_in_use() == Foresight::Exact
+    }
+
+    /// True unless the inertial sensor fell silent and no run noticed.
+    #[must_use]
+    pub fn senses(&self, now: Instant) -> bool {
+        !self.sensing.overlooks_silence(now)
     }
 
     /// When [`Self::on_timer`] is due next.
@@ -592,6 +602,20 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     #[must_use]
     pub fn fit(&self, input: Input) -> Fit {
         self.reactive.fit(input)
+    }
+
+    // What a board knows of itself.
+
+    /// What the board found of the start before this one.
+    pub fn on_reset(&mut self, at: Instant, reset: &Reset) {
+        self.record.call(at, Call::Reset(*reset));
+        self.reset = Some(*reset);
+    }
+
+    /// What the board found of the start before this one; `None` where no board told.
+    #[must_use]
+    pub fn reset(&self) -> Option<&Reset> {
+        self.reset.as_ref()
     }
 
     // What happened.

@@ -10,6 +10,7 @@
 //! - [`estimate`], [`control`], [`airframe`]: from samples to motor commands
 //! - [`safety`]: arming and the motor gate
 //! - [`link`], [`settings`], [`config`]: the world outside
+//! - [`reset`]: what a start knows of the one before
 //! - [`sensors`], [`units`], [`time`], [`math`]: the words all of them are written in
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
@@ -37,6 +38,7 @@ pub mod link;
 pub mod math;
 mod numbered;
 pub mod reactive;
+pub mod reset;
 pub mod safety;
 pub mod sensors;
 pub mod settings;

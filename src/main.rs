@@ -42,20 +42,19 @@ fn main() {
 mod app {
     use cortex_m::singleton;
     use defmt_rtt as _;
-    use panic_probe as _;
-    use reflex::airframe::Mixer;
     use reflex::app::{Autopilot, CallRing, Event};
+    use reflex::reset::Sign;
     use reflex::tasks::chips::{self as owner, Fetches};
     use reflex::tasks::{Board, Task, control, imu, link};
     use reflex::time::Instant;
     use rtic::Mutex;
     use rtic_time::Monotonic;
     use stm32f4xx_hal::pac::Interrupt;
-    use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
     use crate::board::guarded::{Guarded, Piloted};
     use crate::board::{
-        self, ChipLine, Chips, Engine, Given, ImuLine, Link, Mono, Motors, calls, now,
+        self, ChipLine, Chips, Engine, ImuLine, Link, Mono, Motors, SIGNS, Started, Watchdog,
+        calls, now,
     };
 
     const HYPERPERIOD: Interrupt = Interrupt::CAN2_TX;
@@ -104,7 +103,7 @@ mod app {
         accel_line: ChipLine,
         mag_line: ChipLine,
         chips: Chips,
-        watchdog: IndependentWatchdog,
+        watchdog: Watchdog,
     }
 
     #[init]
@@ -114,7 +113,7 @@ mod app {
         failsafe::spawn().expect("spawned once");
         heartbeat::spawn().expect("spawned once");
         let shared = Shared {
-            autopilot: pilot(&board.start, &board.mixer, calls),
+            autopilot: pilot(&board, calls),
             motors: board.motors,
             imu_bus: board.imu_bus,
             fetches: Fetches::default(),
@@ -134,8 +133,11 @@ mod app {
     /// Makes the autopilot in a frame of its own: the 4 KiB of stack that this takes do not add to
     /// those of the board's start.
     #[inline(never)]
-    fn pilot(start: &Given, mixer: &Mixer, calls: &'static mut CallRing) -> &'static mut Pilot {
-        singleton!(: Pilot = Autopilot::new(start, mixer, calls)).expect("made once")
+    fn pilot(board: &Started, calls: &'static mut CallRing) -> &'static mut Pilot {
+        let pilot = singleton!(: Pilot = Autopilot::new(&board.start, &board.mixer, calls));
+        let pilot = pilot.expect("made once");
+        pilot.on_reset(now(), &board.reset);
+        pilot
     }
 
     /// Stamps the MPU6050's sample and starts its burst.
@@ -208,8 +210,8 @@ mod app {
         let mut autopilot = Piloted(cx.shared.autopilot);
         let (mut motors, mut bus) = (Guarded(cx.shared.motors), Guarded(cx.shared.imu_bus));
         loop {
-            cx.local.watchdog.feed();
             let next = control::failsafe(&mut Vectors, &mut autopilot, &mut motors, &mut bus);
+            cx.local.watchdog.heed(&mut autopilot);
             Mono::delay_until(next).await;
         }
     }
@@ -220,6 +222,7 @@ mod app {
         let mut autopilot = Piloted(cx.shared.autopilot);
         let mut fetches = Guarded(cx.shared.fetches);
         owner::serve(&mut Vectors, &mut fetches, &mut autopilot, cx.local.chips);
+        SIGNS.give(Sign::Chips);
     }
 
     /// The serial line fell idle: takes what came.
@@ -251,6 +254,7 @@ mod app {
             if let Some(counters) = link.lock(|link| link.beat(state.arming)) {
                 defmt::warn!("link: {}", counters);
             }
+            SIGNS.give(Sign::Link);
             Mono::delay(link::BEAT).await;
         }
     }
@@ -271,6 +275,7 @@ mod app {
         let mut autopilot = cx.shared.autopilot;
         loop {
             board::idle::wait();
+            SIGNS.give(Sign::Idle);
             if let Some(job) = autopilot.lock(|pilot| pilot.refit_due(now())) {
                 let fit = job.fit();
                 autopilot.lock(|pilot| pilot.on_refit(now(), fit));

@@ -28,7 +28,17 @@ pub fn start(rcc: pac::RCC, crystal: Hertz) -> rcc::Rcc {
         .hclk(CORE_MHZ.MHz())
         .pclk1(42.MHz())
         .pclk2(84.MHz());
-    rcc.freeze(config)
+    let rcc = rcc.freeze(config);
+    // Should the crystal stop, NMI comes, and the processor's own oscillator goes on.
+    rcc.cr().modify(|_, w| w.csson().set_bit());
+    rcc
+}
+
+/// True where the clock security system found that the crystal stopped.
+pub fn lost_crystal() -> bool {
+    // SAFETY: reads a register, which changes nothing.
+    let rcc = unsafe { &*pac::RCC::PTR };
+    rcc.cir().read().cssf().bit()
 }
 
 /// The present time.

@@ -17,7 +17,7 @@ mod chips;
 mod i2c;
 pub mod imu;
 mod link_port;
-mod motors;
+pub mod motors;
 mod spi;
 
 pub use chips::Chips;
@@ -27,18 +27,19 @@ pub use motors::Motors;
 use cortex_m::singleton;
 use embedded_hal_bus::util::AtomicCell;
 use reflex::airframe::Mixer;
+use reflex::reset::Reset;
 use reflex::sensors::Input;
 use reflex::tasks::link;
 use stm32f4xx_hal::dma::StreamsTuple;
 use stm32f4xx_hal::gpio::{self, AnyPin, Output, PC0, PinState, Pull, gpioa, gpioc, gpiod};
 use stm32f4xx_hal::syscfg::SysCfg;
 use stm32f4xx_hal::timer::MonoTimerExt;
-use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{pac, prelude::*};
 
 use super::lines::Line;
 use super::settings_block::Given;
-use super::{clock, settings_block, watchdog};
+use super::watchdog::{self, Watchdog};
+use super::{clock, reset, settings_block};
 
 /// The crystal in Hz.
 const CRYSTAL_HZ: u32 = 8_000_000;
@@ -67,7 +68,9 @@ pub struct Board {
     /// The link.
     pub link: Link,
     /// Running, to be fed from the failsafe timer.
-    pub watchdog: IndependentWatchdog,
+    pub watchdog: Watchdog,
+    /// Why it started.
+    pub reset: Reset,
     /// What this start was given.
     pub start: Given,
     /// The mixer of its airframe: made before the sensors start, as it takes longer than they wait.
@@ -82,11 +85,16 @@ pub struct Board {
 pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board {
     // A probe keeps its connection, and the log flowing, while the core sleeps.
     device.DBGMCU.cr().modify(|_, w| w.dbg_sleep().set_bit());
-    let mut watchdog = watchdog::start(device.IWDG, &device.DBGMCU);
+    let mut watchdog = Watchdog::start(device.IWDG, &device.DBGMCU);
+    let reset = reset::take(&device.RCC, &device.FLASH);
     let mut rcc = clock::start(device.RCC, CRYSTAL_HZ.Hz());
     let rcc = &mut rcc;
     device.TIM5.monotonic_us(&mut core.NVIC, rcc);
     // The clock runs: from here on the log has time stamps.
+    reset::tell(&reset);
+    if !watchdog::is_ready_for_a_halt(&device.DBGMCU) {
+        defmt::error!("a debugger's halt would leave the motors turning");
+    }
     let start = settings_block::read();
     let mixer = Mixer::new(&start.airframe);
     let (a, b) = (device.GPIOA.split(rcc), device.GPIOB.split(rcc));
@@ -136,6 +144,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
         motors,
         link,
         watchdog,
+        reset,
         start,
         mixer,
     }

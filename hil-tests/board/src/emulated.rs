@@ -116,6 +116,27 @@ impl EmulatedBoard {
         })
     }
 
+    /// The crystal stops now.
+    ///
+    /// The emulator raises no NMI: a test that wants it has the firmware pend it.
+    pub fn lose_crystal(&mut self) {
+        // As for `transmit`.
+        let _ = self.command(Command::LoseCrystal);
+    }
+
+    /// Bytes of memory, or of registers.
+    ///
+    /// # Errors
+    /// The board is at its end, or there is nothing at the address.
+    pub fn read(&mut self, address: u32, length: usize) -> Result<Vec<u8>, Fault> {
+        self.command(Command::Read(address, length))?;
+        loop {
+            if let Message::Memory(bytes) = self.next_message()? {
+                return Ok(bytes);
+            }
+        }
+    }
+
     fn take_batch(&mut self, batch: Batch, observer: &mut dyn Observer) -> Result<bool, Fault> {
         self.now_ns = batch.at_ns;
         for event in &batch.events {

@@ -97,6 +97,13 @@ impl Part {
             .fold(0, |driven, timer| driven | timer.driven())
     }
 
+    /// The crystal stops.
+    pub(super) fn lose_crystal(&mut self, at: VirtualNanos) {
+        self.soc.drive_clocks(at, |rcc, registers, context| {
+            rcc.fail_hse(registers, context)
+        });
+    }
+
     /// Puts on the pins what the board holds there at a reset.
     fn drive_outside(&mut self, at: VirtualNanos) {
         for (port, pin) in PULLED_UP {
