@@ -20,6 +20,7 @@ pub use door::{ChipAction, ChipOrder, ChipSetting, Fault, OrderError};
 pub use telemetry::{Event, Events, RunCounts, Telemetry};
 
 use crate::airframe::Mixer;
+use crate::battery::{Battery, BatteryReading, BatteryState};
 use crate::control::Setpoint;
 use crate::estimate::{Motion, Place};
 use crate::graph::{ControlLogic, Flown, Tuned};
@@ -56,6 +57,8 @@ pub struct Autopilot<R, L = Flown> {
     chips: Chips,
     /// Why the board started.
     reset: Option<Reset>,
+    /// What flies it.
+    battery: Battery,
     /// What happened.
     record: Record<R>,
 }
@@ -82,6 +85,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             safety: Safety::new(motors),
             chips: Chips::new(&settings),
             reset: None,
+            battery: Battery::default(),
             record: Record::new(recorder),
         }
     }
@@ -616,6 +620,22 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     #[must_use]
     pub fn reset(&self) -> Option<&Reset> {
         self.reset.as_ref()
+    }
+
+    /// The battery was measured; its state, where that is new.
+    pub fn on_battery(&mut self, at: Instant, reading: &BatteryReading) -> Option<BatteryState> {
+        self.record.call(at, Call::Battery(*reading));
+        if !reading.is_finite() {
+            self.record.fault(Fault::NotFinite);
+            return None;
+        }
+        self.battery.take(at, reading.volts, reading.amps)
+    }
+
+    /// The battery as it was measured so far.
+    #[must_use]
+    pub fn battery(&self) -> &Battery {
+        &self.battery
     }
 
     // What happened.

@@ -31,8 +31,16 @@ mod reflex_f427;
 use reflex_f427::motors;
 #[cfg(board = "reflex_f427")]
 pub use reflex_f427::{
-    Board as Started, ChipLine, Chips, Engine, ImuLine, Link, Motors, imu, start,
+    Board as Started, ChipLine, Chips, Engine, Gauge, ImuLine, Link, Motors, imu, start,
 };
 
-pub use clock::{Mono, now};
+pub use clock::{now, sleep, sleep_until};
 pub use watchdog::{SIGNS, Watchdog};
+
+/// Writes an event to the log: a run only where details are asked for.
+pub fn log(event: &reflex::app::Event) {
+    match event {
+        reflex::app::Event::Ran { .. } => defmt::debug!("{}", event),
+        _ => defmt::info!("{}", event),
+    }
+}

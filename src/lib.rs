@@ -10,7 +10,7 @@
 //! - [`estimate`], [`control`], [`airframe`]: from samples to motor commands
 //! - [`safety`]: arming and the motor gate
 //! - [`link`], [`settings`], [`config`]: the world outside
-//! - [`reset`]: what a start knows of the one before
+//! - [`battery`]: how full it is; [`reset`]: what a start knows of the one before
 //! - [`sensors`], [`units`], [`time`], [`math`]: the words all of them are written in
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
@@ -29,6 +29,7 @@ extern crate self as reflex;
 
 pub mod airframe;
 pub mod app;
+pub mod battery;
 pub mod config;
 pub mod control;
 pub mod dataflow;

@@ -42,19 +42,18 @@ fn main() {
 mod app {
     use cortex_m::singleton;
     use defmt_rtt as _;
-    use reflex::app::{Autopilot, CallRing, Event};
+    use reflex::app::{Autopilot, CallRing};
     use reflex::reset::Sign;
     use reflex::tasks::chips::{self as owner, Fetches};
-    use reflex::tasks::{Board, Task, control, imu, link};
+    use reflex::tasks::{Board, Lock as _, Task, control, imu, link};
     use reflex::time::Instant;
     use rtic::Mutex;
-    use rtic_time::Monotonic;
     use stm32f4xx_hal::pac::Interrupt;
 
     use crate::board::guarded::{Guarded, Piloted};
     use crate::board::{
-        self, ChipLine, Chips, Engine, ImuLine, Link, Mono, Motors, SIGNS, Started, Watchdog,
-        calls, now,
+        self, ChipLine, Chips, Engine, Gauge, ImuLine, Link, Motors, SIGNS, Started, Watchdog,
+        calls, now, sleep, sleep_until,
     };
 
     const HYPERPERIOD: Interrupt = Interrupt::CAN2_TX;
@@ -103,6 +102,7 @@ mod app {
         accel_line: ChipLine,
         mag_line: ChipLine,
         chips: Chips,
+        gauge: Gauge,
         watchdog: Watchdog,
     }
 
@@ -125,6 +125,7 @@ mod app {
             accel_line,
             mag_line,
             chips: board.chips,
+            gauge: board.gauge,
             watchdog: board.watchdog,
         };
         (shared, local)
@@ -200,7 +201,7 @@ mod app {
     /// Ends a hyperperiod in which a gating sample is missing.
     #[task(priority = 4)]
     async fn late_hyperperiod(_: late_hyperperiod::Context, at: Instant) {
-        Mono::delay_until(at).await;
+        sleep_until(at).await;
         rtic::pend(HYPERPERIOD);
     }
 
@@ -212,7 +213,7 @@ mod app {
         loop {
             let next = control::failsafe(&mut Vectors, &mut autopilot, &mut motors, &mut bus);
             cx.local.watchdog.heed(&mut autopilot);
-            Mono::delay_until(next).await;
+            sleep_until(next).await;
         }
     }
 
@@ -245,17 +246,18 @@ mod app {
         cx.shared.link.lock(|link| link.port().on_sent());
     }
 
-    /// Tells the peer once a second that the drone is there, and its state.
-    #[task(priority = 2, shared = [link, autopilot])]
+    /// Once a second: measures the battery, tells the peer that the drone is there, and its state.
+    #[task(priority = 2, local = [gauge], shared = [link, autopilot])]
     async fn heartbeat(cx: heartbeat::Context) {
-        let (mut link, mut autopilot) = (cx.shared.link, cx.shared.autopilot);
+        let (mut link, mut autopilot) = (cx.shared.link, Piloted(cx.shared.autopilot));
         loop {
+            cx.local.gauge.tell(&mut autopilot);
             let state = autopilot.lock(|pilot| pilot.telemetry());
             if let Some(counters) = link.lock(|link| link.beat(state.arming)) {
                 defmt::warn!("link: {}", counters);
             }
             SIGNS.give(Sign::Link);
-            Mono::delay(link::BEAT).await;
+            sleep(link::BEAT).await;
         }
     }
 
@@ -290,10 +292,7 @@ mod app {
             }
             let mut next = |_| autopilot.lock(|pilot| pilot.next_event());
             for event in (0..MOST_EVENTS).map_while(&mut next) {
-                match event {
-                    Event::Ran { .. } => defmt::debug!("{}", event),
-                    _ => defmt::info!("{}", event),
-                }
+                board::log(&event);
             }
         }
     }

@@ -9,6 +9,7 @@
 
 use super::{Autopilot, ChipOrder, ChipSetting, Fault, OrderError, Reason};
 use crate::airframe::MotorShares;
+use crate::battery::BatteryReading;
 use crate::graph::ControlLogic;
 use crate::link::Message;
 use crate::reactive::{Column, Feature, Fit, Label, Refit};
@@ -50,6 +51,8 @@ pub enum Call {
     Sounded,
     /// `on_reset`
     Reset(Reset),
+    /// `on_battery`
+    Battery(BatteryReading),
     /// Not a call: what a run came to.
     Ran(Ran),
     /// Not a call: whether the last run was changed.
@@ -147,6 +150,7 @@ impl Stamped {
                 out.shares(&ran.shares);
             }
             Call::Reset(reset) => out.reset(reset),
+            Call::Battery(reading) => out.floats([reading.volts, reading.amps]),
             Call::Judged(changed) => out.byte(u8::from(*changed)),
         }
         out.finish()
@@ -187,6 +191,10 @@ impl Stamped {
             11 => Call::Judged(from.byte()? != 0),
             12 => Call::Sounded,
             13 => Call::Reset(from.reset()?),
+            14 => {
+                let [volts, amps] = from.floats()?;
+                Call::Battery(BatteryReading { volts, amps })
+            }
             other => return Err(DecodeError::Unknown(other)),
         };
         Ok((Self { at, call }, bytes.len() - from.rest()))
@@ -212,6 +220,7 @@ impl Call {
             Self::Column(column) => autopilot.on_column(at, *column),
             Self::Sounded => autopilot.on_sounded(at),
             Self::Reset(reset) => autopilot.on_reset(at, reset),
+            Self::Battery(reading) => drop(autopilot.on_battery(at, reading)),
             Self::Ran(_) | Self::Judged(_) => {}
         }
     }
@@ -232,6 +241,7 @@ fn kind(call: &Call) -> u8 {
         Call::Judged(_) => 11,
         Call::Sounded => 12,
         Call::Reset(_) => 13,
+        Call::Battery(_) => 14,
     }
 }
 

@@ -11,8 +11,10 @@
 //! | MPU6050 INT | PC0 | EXTI0, rising |
 //! | motors 1 to 4, 5 to 8 | PC6 to PC9, PD12 to PD15 | TIM3, TIM4 |
 //! | link TX, RX | PD5, PD6 | USART2; DMA1 streams 6, 5 |
+//! | battery's voltage, current | PC3, PC5 | ADC1; DMA2 stream 0 |
 //! | crystal | PH0, PH1 | 8 MHz |
 
+mod battery;
 mod chips;
 mod i2c;
 pub mod imu;
@@ -20,6 +22,7 @@ mod link_port;
 pub mod motors;
 mod spi;
 
+pub use battery::Gauge;
 pub use chips::Chips;
 pub use i2c::Engine;
 pub use motors::Motors;
@@ -33,7 +36,6 @@ use reflex::tasks::link;
 use stm32f4xx_hal::dma::StreamsTuple;
 use stm32f4xx_hal::gpio::{self, AnyPin, Output, PC0, PinState, Pull, gpioa, gpioc, gpiod};
 use stm32f4xx_hal::syscfg::SysCfg;
-use stm32f4xx_hal::timer::MonoTimerExt;
 use stm32f4xx_hal::{pac, prelude::*};
 
 use super::lines::Line;
@@ -67,6 +69,8 @@ pub struct Board {
     pub motors: Motors,
     /// The link.
     pub link: Link,
+    /// The battery.
+    pub gauge: Gauge,
     /// Running, to be fed from the failsafe timer.
     pub watchdog: Watchdog,
     /// Why it started.
@@ -89,7 +93,6 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     let reset = reset::take(&device.RCC, &device.FLASH);
     let mut rcc = clock::start(device.RCC, CRYSTAL_HZ.Hz());
     let rcc = &mut rcc;
-    device.TIM5.monotonic_us(&mut core.NVIC, rcc);
     // The clock runs: from here on the log has time stamps.
     reset::tell(&reset);
     if !watchdog::is_ready_for_a_halt(&device.DBGMCU) {
@@ -121,6 +124,9 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     let (streams_of_link, buffers) = ((streams.5, streams.6), (ring, block));
     let port = link_port::LinkPort::start(device.USART2, streams_of_link, buffers, rcc);
 
+    let converter = (device.ADC1, device.ADC_COMMON, &device.DMA2);
+    let gauge = Gauge::start(converter, (c.pc3, c.pc5), rcc);
+
     let spi = spi::Spi1::new(device.SPI1, (a.pa5, a.pa6, a.pa7), rcc, &mut core.SCB);
     let spi = singleton!(: AtomicCell<spi::Spi1> = AtomicCell::new(spi)).unwrap();
     let chips = chips::start(spi, chip_selects(a.pa4, c.pc4), &start.settings);
@@ -143,6 +149,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
         chips,
         motors,
         link,
+        gauge,
         watchdog,
         reset,
         start,

@@ -124,6 +124,18 @@ impl EmulatedBoard {
         let _ = self.command(Command::LoseCrystal);
     }
 
+    /// What the battery's divider and shunt put on their pins from now on, mV; at first nothing.
+    pub fn measure(&mut self, voltage_mv: u32, current_mv: u32) {
+        // As for `transmit`.
+        let _ = self.command(Command::Measure([voltage_mv, current_mv]));
+    }
+
+    /// Writes bytes to memory, or words to registers, between two instructions.
+    pub fn write(&mut self, address: u32, bytes: &[u8]) {
+        // As for `transmit`.
+        let _ = self.command(Command::Write(address, bytes.to_vec()));
+    }
+
     /// Bytes of memory, or of registers.
     ///
     /// # Errors

@@ -22,8 +22,9 @@ use emulated_board::{Board, Elf, Hit, LogLine, MotorWrite, Observer, Options};
 const IMU_READY: u16 = 16 + 6;
 /// Memory that the firmware does not use: the end of RAM.
 const STUB: u32 = 0x2002_F000;
-/// The counter of the monotonic, us; RCC_CIR with the flag of the clock security system.
+/// The counter of the monotonic, us, and what it is compared with; RCC_CIR with the flag of the clock security system.
 const CLOCK: u32 = 0x4000_0C24;
+const CLOCK_COMPARE: u32 = 0x4000_0C38;
 const CLOCK_INTERRUPTS: (u32, u32) = (0x4002_380C, 1 << 7);
 /// When the firmware shall end, us of its clock: it is armed then, and motors turn.
 const END_US: u32 = 2_000_000;
@@ -193,12 +194,20 @@ impl Bench {
         let elf = Arc::new(elf);
         let sensors = Sensors::from(&SharedChips::feeling(&at_rest(), real(1)));
         let mut board = EmulatedBoard::boot(&elf, sensors, &options).unwrap();
-        fly(&mut board, 2 * SECOND);
+        fly(&mut board, 4 * SECOND);
         Self {
             elf,
             board,
             seen: Seen::default(),
         }
+    }
+
+    /// One that never ends.
+    fn resting() -> Self {
+        Self::new(
+            Crime::Hang,
+            (CLOCK_INTERRUPTS.0, CLOCK_INTERRUPTS.1, 1 << 31),
+        )
     }
 
     fn after(crime: Crime) -> Self {
@@ -349,4 +358,57 @@ fn a_first_start_knows_its_supply_and_what_a_halt_does() {
         0b110
     );
     assert!(!bench.has_logged("halt would leave"));
+}
+
+#[test]
+fn a_battery_that_sags_is_warned_of() {
+    let mut bench = Bench::resting();
+    // 11.8 V and 8.5 A, then 10.2 V, behind a divider by 10.1 and a shunt of 17 A/V.
+    bench.board.measure(1_168, 500);
+    let bench = bench.run(1_500 * MILLISECOND_NS);
+    let warned = |bench: &Bench, state: &str| {
+        let line = bench.seen.log.iter().find(|line| line.contains(state));
+        line.cloned()
+            .unwrap_or_else(|| panic!("{:?}", bench.seen.log))
+    };
+    let good = warned(&bench, "battery Good: BatteryReading { volts: 11.");
+    assert!(
+        good.contains("amps: 8.4") || good.contains("amps: 8.5"),
+        "{good}"
+    );
+    let mut bench = bench;
+    bench.board.measure(1_010, 500);
+    let bench = bench.run(10 * SECOND);
+    warned(&bench, "battery Low");
+}
+
+/// The clock is put to 1.5 s before its 32 bits are full, 71.6 minutes, before the drone is armed:
+/// it flies on past that.
+#[test]
+fn the_clock_outlives_thirty_two_bits_in_flight() {
+    let mut bench = Bench::resting().run(900 * MILLISECOND_NS);
+    let periods = bench.elf.variable(&["TIMER5_OVERFLOWS"]).unwrap();
+    // The second half of the first period.
+    bench.board.write(periods, &1_u64.to_le_bytes());
+    let late = u32::MAX - 1_500_000;
+    bench.board.write(CLOCK, &late.to_le_bytes());
+    // Tasks that sleep are due now: the timer would compare with that again after a whole turn.
+    bench.board.write(CLOCK_COMPARE, &(late + 50).to_le_bytes());
+    let bench = bench.run(3_500 * MILLISECOND_NS);
+    assert!(!bench.has_logged("ended by"), "{:?}", bench.seen.log);
+    let newest = bench.seen.log.last().unwrap().split_whitespace().next();
+    let newest: f64 = newest.unwrap().parse().unwrap();
+    assert!(newest > 4_294.97, "{newest}");
+    let flown: Vec<_> = bench.seen.motors.iter().map(|write| write.at_ns).collect();
+    let from = flown.partition_point(|at_ns| *at_ns < 1_800 * MILLISECOND_NS);
+    let longest = flown[from..].windows(2).map(|pair| pair[1] - pair[0]).max();
+    assert!(
+        longest.expect("motors") < 101 * MILLISECOND_NS,
+        "{longest:?}"
+    );
+    let last = bench.seen.motors.last().unwrap();
+    assert!(
+        last.at_ns > 3_390 * MILLISECOND_NS && last.pulse_ns[0] > SHORTEST_NS,
+        "{last:?}"
+    );
 }

@@ -75,6 +75,9 @@ pub(super) enum Command {
     Transmit(u64, Vec<u8>),
     Count,
     LoseCrystal,
+    /// Voltages at the battery's pins, mV.
+    Measure([u32; 2]),
+    Write(u32, Vec<u8>),
     Read(u32, usize),
     Finish,
 }

@@ -11,6 +11,7 @@ use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::Store;
 use rigless::soc::stm32f427::Stm32f427;
 use rigless::soc::stm32f427::generated::rcc;
+use rigless::soc::stm32f427::peripherals::adc::Channel;
 use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::soc::{Bus, Error};
 use rigless::time::VirtualNanos;
@@ -23,7 +24,10 @@ use super::link::Link;
 use super::meter::SharedMeter;
 use super::metered::MeteredCore;
 use super::pwm_timer::{CHANNELS, PwmTimer};
-use super::reflex_f427::{CRYSTAL_HZ, LINE_PORT_NUMBER, LINK_USART, MOTOR_TIMERS, PULLED_UP};
+use super::reflex_f427::{
+    BATTERY_ADC, BATTERY_CHANNELS, CRYSTAL_HZ, LINE_PORT_NUMBER, LINK_USART, MOTOR_TIMERS,
+    PULLED_UP,
+};
 use super::sensors::Sensors;
 use super::syscfg::Syscfg;
 use crate::{Edge, SensorLine};
@@ -64,6 +68,7 @@ impl Part {
         let mut soc = Stm32f427::new()?;
         soc.rcc.attach_crystals(CRYSTAL_HZ, 0);
         soc.set_supply(SUPPLY_MV);
+        soc.adc[BATTERY_ADC].set_reference(SUPPLY_MV);
         sensors.attach(&mut soc);
         soc.usart[LINK_USART].attach_boxed(Box::new(link.clone()));
         let [first, second] = MOTOR_TIMERS;
@@ -102,6 +107,14 @@ impl Part {
         self.soc.drive_clocks(at, |rcc, registers, context| {
             rcc.fail_hse(registers, context)
         });
+    }
+
+    /// What the battery's divider and shunt put on their pins, mV.
+    pub(super) fn measure(&mut self, millivolts: [u32; 2]) {
+        for (channel, millivolts) in BATTERY_CHANNELS.into_iter().zip(millivolts) {
+            let channel = Channel::new(channel).expect("one of sixteen");
+            self.soc.adc[BATTERY_ADC].set_input(channel, millivolts);
+        }
     }
 
     /// Puts on the pins what the board holds there at a reset.

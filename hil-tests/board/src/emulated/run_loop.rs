@@ -209,6 +209,15 @@ impl RunLoop {
                     self.meter.start(code, stop.at.0, stop.instruction_count);
                 }
                 Command::LoseCrystal => session.board_mut().part.lose_crystal(stop.at),
+                Command::Measure(millivolts) => {
+                    session.board_mut().part.measure(millivolts);
+                }
+                Command::Write(address, bytes) => {
+                    let part = &mut session.board_mut().part;
+                    if let Err(fault) = write(part, stop.at, host, address, &bytes) {
+                        self.health.condemn(fault);
+                    }
+                }
                 Command::Read(address, length) => {
                     let part = &mut session.board_mut().part;
                     let answer = match read(part, stop.at, host, address, length) {
@@ -306,6 +315,26 @@ fn read(
         word.copy_from_slice(&(value as u32).to_le_bytes()[..word.len()]);
     }
     Ok(bytes)
+}
+
+/// Writes bytes to memory, or words to the registers of the part's peripherals.
+fn write(
+    part: &mut Part,
+    at: VirtualNanos,
+    host: &mut dyn Host,
+    address: u32,
+    bytes: &[u8],
+) -> Result<(), FaultKind> {
+    if address < REGISTERS {
+        return Memory(host).write(address, bytes);
+    }
+    let words = bytes.as_chunks().0.iter();
+    for (word, address) in words.zip((u64::from(address)..).step_by(4)) {
+        let value = u64::from(u32::from_le_bytes(*word));
+        let written = part.write(at, address, Width::W32, value);
+        written.map_err(|error| FaultKind::Emulator(format!("{error:?}")))?;
+    }
+    Ok(())
 }
 
 impl Driver<Rig> for RunLoop {
