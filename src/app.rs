@@ -23,6 +23,7 @@ pub use door::{ChipAction, ChipOrder, ChipSetting, Fault, OrderError};
 pub use telemetry::{Event, Events, RunCounts, Telemetry};
 
 use crate::airframe::Mixer;
+use crate::battery::{Battery, BatteryReading, BatteryState};
 use crate::config::NOT_FINITE_LIMIT;
 use crate::control::Setpoint;
 use crate::estimate::{Motion, Place};
@@ -33,6 +34,7 @@ use crate::reactive::{
     Column, FallbackReason, Fit, Foresight, Phase, PhaseEvent, Reactive, Refit, RefitJob, Review,
     Run, Situation, Sounding,
 };
+use crate::reset::Reset;
 use crate::safety::{FlightEvent, MotorOutput, Passed, Safety};
 use crate::sensors::{ChipSample, ImuReading, Input, Inputs};
 use crate::settings::{Settings, Start};
@@ -57,6 +59,10 @@ pub struct Autopilot<R, L = Flown> {
     safety: Safety,
     /// Orders to the chips that compare by themselves.
     chips: Chips,
+    /// Why the board started.
+    reset: Option<Reset>,
+    /// What flies it.
+    battery: Battery,
     /// What happened.
     record: Record<R>,
 }
@@ -82,6 +88,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             graph,
             safety: Safety::new(motors),
             chips: Chips::new(&settings),
+            reset: None,
+            battery: Battery::default(),
             record: Record::new(recorder),
         }
     }
@@ -293,6 +301,12 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         self.reactive.foresight_in_use() == Foresight::Exact
     }
 
+    /// True unless the inertial sensor fell silent and no run noticed.
+    #[must_use]
+    pub fn senses(&self, now: Instant) -> bool {
+        !self.sensing.overlooks_silence(now)
+    }
+
     /// When [`Self::on_timer`] is due next.
     #[must_use]
     pub fn deadline(&self) -> Instant {
@@ -311,6 +325,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.on_chip_lost(input);
         }
         self.check_demand(now);
+        self.check_battery(now);
     }
 
     fn on_imu_lost(&mut self, now: Instant) {
@@ -558,6 +573,38 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     #[must_use]
     pub fn fit(&self, input: Input) -> Fit {
         self.reactive.fit(input)
+    }
+
+    // What a board knows of itself.
+
+    /// What the board found of the start before this one.
+    pub fn on_reset(&mut self, at: Instant, reset: &Reset) {
+        self.record.call(at, Call::Reset(*reset));
+        self.reset = Some(*reset);
+    }
+
+    /// What the board found of the start before this one; `None` where no board told.
+    #[must_use]
+    pub fn reset(&self) -> Option<&Reset> {
+        self.reset.as_ref()
+    }
+
+    /// The battery was measured; its state, where that is new.
+    pub fn on_battery(&mut self, at: Instant, reading: &BatteryReading) -> Option<BatteryState> {
+        self.record.call(at, Call::Battery(*reading));
+        if !reading.is_finite() {
+            self.record.fault(Fault::NotFinite);
+            return None;
+        }
+        let state = self.battery.take(at, reading.volts, reading.amps)?;
+        self.record.notice(notice::battery(state));
+        Some(state)
+    }
+
+    /// The battery as it was measured so far.
+    #[must_use]
+    pub fn battery(&self) -> &Battery {
+        &self.battery
     }
 
     // What happened.

@@ -11,21 +11,36 @@
 //! | `lines` | external interrupts |
 //! | `guarded` | RTIC's resources as the tasks' |
 //! | `calls`, `settings_block` | symbols that a host reads and writes |
-//! | `watchdog`, `hard_fault` | the last resort |
+//! | `watchdog`, `fault` | the last resort |
+//! | `last_words`, `reset` | what a start finds of the one before |
 
 pub mod calls;
 mod clock;
+mod fault;
 pub mod guarded;
-mod hard_fault;
 pub mod idle;
+mod last_words;
 mod lines;
+mod reset;
 mod settings_block;
 mod watchdog;
 
 #[cfg(board = "reflex_f427")]
 mod reflex_f427;
 #[cfg(board = "reflex_f427")]
-pub use reflex_f427::{ChipLine, Chips, Engine, ImuLine, Link, Motors, imu, start};
+use reflex_f427::motors;
+#[cfg(board = "reflex_f427")]
+pub use reflex_f427::{
+    Board as Started, ChipLine, Chips, Engine, Gauge, ImuLine, Link, Motors, imu, start,
+};
 
-pub use clock::{Mono, now};
-pub use settings_block::Given;
+pub use clock::{now, sleep, sleep_until};
+pub use watchdog::{SIGNS, Watchdog};
+
+/// Writes an event to the log: a run only where details are asked for.
+pub fn log(event: &reflex::app::Event) {
+    match event {
+        reflex::app::Event::Ran { .. } => defmt::debug!("{}", event),
+        _ => defmt::info!("{}", event),
+    }
+}

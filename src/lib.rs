@@ -10,6 +10,7 @@
 //! - [`estimate`], [`control`], [`airframe`]: from samples to motor commands
 //! - [`safety`]: arming and the motor gate
 //! - [`link`], [`settings`], [`config`]: the world outside
+//! - [`battery`]: how full it is; [`reset`]: what a start knows of the one before
 //! - [`sensors`], [`units`], [`time`], [`math`]: the words all of them are written in
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
@@ -28,6 +29,7 @@ extern crate self as reflex;
 
 pub mod airframe;
 pub mod app;
+pub mod battery;
 pub mod config;
 pub mod control;
 pub mod dataflow;
@@ -37,6 +39,7 @@ pub mod link;
 pub mod math;
 mod numbered;
 pub mod reactive;
+pub mod reset;
 pub mod safety;
 pub mod sensors;
 pub mod settings;

@@ -42,20 +42,18 @@ fn main() {
 mod app {
     use cortex_m::singleton;
     use defmt_rtt as _;
-    use panic_probe as _;
-    use reflex::airframe::Mixer;
-    use reflex::app::{Autopilot, CallRing, Event};
+    use reflex::app::{Autopilot, CallRing};
+    use reflex::reset::Sign;
     use reflex::tasks::chips::{self as owner, Fetches};
     use reflex::tasks::{Board, Task, control, imu, link};
     use reflex::time::Instant;
     use rtic::Mutex;
-    use rtic_time::Monotonic;
     use stm32f4xx_hal::pac::Interrupt;
-    use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
     use crate::board::guarded::{Guarded, Piloted};
     use crate::board::{
-        self, ChipLine, Chips, Engine, Given, ImuLine, Link, Mono, Motors, calls, now,
+        self, ChipLine, Chips, Engine, Gauge, ImuLine, Link, Motors, SIGNS, Started, Watchdog,
+        calls, now, sleep, sleep_until,
     };
 
     const HYPERPERIOD: Interrupt = Interrupt::CAN2_TX;
@@ -105,7 +103,8 @@ mod app {
         accel_line: ChipLine,
         mag_line: ChipLine,
         chips: Chips,
-        watchdog: IndependentWatchdog,
+        gauge: Gauge,
+        watchdog: Watchdog,
     }
 
     #[init]
@@ -115,7 +114,7 @@ mod app {
         failsafe::spawn().expect("spawned once");
         heartbeat::spawn().expect("spawned once");
         let shared = Shared {
-            autopilot: pilot(&board.start, &board.mixer, calls),
+            autopilot: pilot(&board, calls),
             motors: board.motors,
             imu_line: board.imu_line,
             imu_bus: board.imu_bus,
@@ -127,6 +126,7 @@ mod app {
             accel_line,
             mag_line,
             chips: board.chips,
+            gauge: board.gauge,
             watchdog: board.watchdog,
         };
         (shared, local)
@@ -135,8 +135,11 @@ mod app {
     /// Makes the autopilot in a frame of its own: the 4 KiB of stack that this takes do not add to
     /// those of the board's start.
     #[inline(never)]
-    fn pilot(start: &Given, mixer: &Mixer, calls: &'static mut CallRing) -> &'static mut Pilot {
-        singleton!(: Pilot = Autopilot::new(start, mixer, calls)).expect("made once")
+    fn pilot(board: &Started, calls: &'static mut CallRing) -> &'static mut Pilot {
+        let pilot = singleton!(: Pilot = Autopilot::new(&board.start, &board.mixer, calls));
+        let pilot = pilot.expect("made once");
+        pilot.on_reset(now(), &board.reset);
+        pilot
     }
 
     /// Stamps the MPU6050's sample and starts its burst.
@@ -207,7 +210,7 @@ mod app {
     /// Ends a hyperperiod in which a gating sample is missing.
     #[task(priority = 4)]
     async fn late_hyperperiod(_: late_hyperperiod::Context, at: Instant) {
-        Mono::delay_until(at).await;
+        sleep_until(at).await;
         rtic::pend(HYPERPERIOD);
     }
 
@@ -217,9 +220,9 @@ mod app {
         let mut autopilot = Piloted(cx.shared.autopilot);
         let (mut motors, mut bus) = (Guarded(cx.shared.motors), Guarded(cx.shared.imu_bus));
         loop {
-            cx.local.watchdog.feed();
             let next = control::failsafe(&mut Vectors, &mut autopilot, &mut motors, &mut bus);
-            Mono::delay_until(next).await;
+            cx.local.watchdog.heed(&mut autopilot);
+            sleep_until(next).await;
         }
     }
 
@@ -229,6 +232,7 @@ mod app {
         let mut autopilot = Piloted(cx.shared.autopilot);
         let mut fetches = Guarded(cx.shared.fetches);
         owner::serve(&mut Vectors, &mut fetches, &mut autopilot, cx.local.chips);
+        SIGNS.give(Sign::Chips);
     }
 
     /// The serial line fell idle: takes what came.
@@ -251,15 +255,17 @@ mod app {
         cx.shared.link.lock(|link| link.port().on_sent());
     }
 
-    /// Tells the peer once a second that the drone is there, and its state.
-    #[task(priority = 2, shared = [link, autopilot])]
+    /// Once a second: measures the battery, tells the peer that the drone is there, and its state.
+    #[task(priority = 2, local = [gauge], shared = [link, autopilot])]
     async fn heartbeat(cx: heartbeat::Context) {
         let (mut link, mut autopilot) = (Guarded(cx.shared.link), Piloted(cx.shared.autopilot));
         loop {
+            cx.local.gauge.tell(&mut autopilot);
             if let Some(counters) = link::beat(&mut Vectors, &mut link, &mut autopilot) {
                 defmt::warn!("link: {}", counters);
             }
-            Mono::delay(link::BEAT).await;
+            SIGNS.give(Sign::Link);
+            sleep(link::BEAT).await;
         }
     }
 
@@ -279,6 +285,7 @@ mod app {
         let mut autopilot = cx.shared.autopilot;
         loop {
             board::idle::wait();
+            SIGNS.give(Sign::Idle);
             if let Some(job) = autopilot.lock(|pilot| pilot.refit_due(now())) {
                 let fit = job.fit();
                 autopilot.lock(|pilot| pilot.on_refit(now(), fit));
@@ -293,10 +300,7 @@ mod app {
             }
             let mut next = |_| autopilot.lock(|pilot| pilot.next_event());
             for event in (0..MOST_EVENTS).map_while(&mut next) {
-                match event {
-                    Event::Ran { .. } => defmt::debug!("{}", event),
-                    _ => defmt::info!("{}", event),
-                }
+                board::log(&event);
             }
         }
     }

@@ -10,6 +10,7 @@
 //! | [`chips`] | the owner of the chips that interrupt by themselves |
 //! | [`drivers`] | which of their drivers delivers which input |
 //! | [`link`] | bytes in, frames out |
+//! | [`vitals`] | whether the watchdog is fed |
 //!
 //! A module named by a part number gives `imu` what it needs of that chip. Nothing here reads a
 //! clock, knows a vector or logs: [`Board`] and [`Lock`] are what a task needs of its board, and
@@ -21,6 +22,7 @@ pub mod drivers;
 pub mod imu;
 pub mod link;
 pub mod mpu6050;
+pub mod vitals;
 
 use crate::reactive::Next;
 use crate::time::Instant;

@@ -14,6 +14,7 @@
 //! - [`sweep`]: many of those over a grid of settings, drawn with [`plot`]
 //! - [`picture`]: control logics drawn as graphs
 //! - [`firmware`]: builds and measures the ELF, with the [`toolchain`] it needs
+//! - [`ground_station`]: what is sent to a drone
 //! - [`commands`]: the command line of `cargo hil`
 
 pub mod campaign;
@@ -22,7 +23,7 @@ pub mod closed_loop;
 pub mod commands;
 pub mod costs;
 pub mod firmware;
-mod ground_station;
+pub mod ground_station;
 mod json;
 pub mod logics;
 mod native;

@@ -5,14 +5,13 @@
 //! it. The version follows from the names of settings, control logic and gains.
 
 use crate::airframe::{Airframe, AirframeError};
-use crate::bytes::{Vec, put, take};
+use crate::bytes::{CHECKSUM, Vec, put, take};
 use crate::declare::Declared;
 use crate::gains::Gains;
 use crate::setting::{Limits, OutOfRange, Setting};
 use crate::settings::Settings;
 
 const MAGIC: [u8; 4] = *b"RFLX";
-const CHECKSUM: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 const HEAD_LENGTH: usize = 8;
 const CHECKSUM_LENGTH: usize = 4;
 /// No control logic has gains for a longer block.

@@ -40,6 +40,10 @@ const fn cutoff(key: &'static str) -> Setting {
         .limited(Limit::BelowHalfTheImuRate)
 }
 
+const fn battery(key: &'static str, kind: Kind, unit: &'static str) -> Setting {
+    Setting::of(["battery", key], kind, unit)
+}
+
 /// Everything of a board's file that is no run-time setting and no rate of a sensor.
 pub const BOARD: &[Setting] = &[
     cutoff("gyro_cutoff_hz")
@@ -96,4 +100,32 @@ pub const BOARD: &[Setting] = &[
         .default("true")
         .named("LINK_WIRED")
         .meaning("Whether the link is a cable: a signing key is taken from nothing else."),
+    battery("volts_per_volt", Kind::Number(within(0.0, 100.0)), "V")
+        .default("10.1")
+        .named("BATTERY_VOLTS_PER_VOLT")
+        .meaning("Voltage of the battery for each volt at its pin; 0 where it is not measured."),
+    battery("amps_per_volt", Kind::Number(within(0.0, 1000.0)), "A")
+        .default("17")
+        .named("BATTERY_AMPS_PER_VOLT")
+        .meaning("Current of the battery for each volt at its pin; 0 where it is not measured."),
+    battery("smoothing_s", Kind::Span(within(0.1, 30.0)), "s")
+        .default("2")
+        .named("BATTERY_SMOOTHING")
+        .meaning("Time constant over which voltage and current are smoothed."),
+    battery("low_v", Kind::Number(within(2.0, 60.0)), "V")
+        .default("10.5")
+        .named("BATTERY_LOW_V")
+        .meaning("Voltage below which the battery is low."),
+    battery("critical_v", Kind::Number(within(2.0, 60.0)), "V")
+        .default("9.9")
+        .named("BATTERY_CRITICAL_V")
+        .meaning("Voltage below which the battery is nearly empty."),
+    battery("margin_v", Kind::Number(within(0.0, 5.0)), "V")
+        .default("0.3")
+        .named("BATTERY_MARGIN_V")
+        .meaning("Voltage above a limit at which the battery counts as recovered."),
+    battery("least_v", Kind::Number(within(1.0, 60.0)), "V")
+        .default("5")
+        .named("BATTERY_LEAST_V")
+        .meaning("Voltage below which no battery is connected."),
 ];

@@ -4,6 +4,9 @@
 
 pub use heapless::Vec;
 
+/// Behind every record.
+pub const CHECKSUM: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+
 /// Takes the first bytes off a slice, `None` where there are not as many.
 pub fn take<const N: usize>(bytes: &mut &[u8]) -> Option<[u8; N]> {
     let (field, rest) = bytes.split_first_chunk()?;

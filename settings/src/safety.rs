@@ -84,6 +84,10 @@ pub const SAFETY: &[Setting] = &[
         .default("1")
         .named("UPSET_TIME")
         .meaning("Time of an upset after which motors are cut."),
+    Setting::of(["battery", "descend_when_empty"], Kind::Flag, "")
+        .default("true")
+        .named("DESCEND_WHEN_EMPTY")
+        .meaning("Whether the drone comes down by itself once the battery is nearly empty."),
     Setting::of(
         ["commands", "not_finite"],
         Kind::Count(within(1.0, 1000.0)),

@@ -9,9 +9,11 @@
 
 use super::{Autopilot, ChipOrder, ChipSetting, Fault, OrderError, Reason};
 use crate::airframe::MotorShares;
+use crate::battery::BatteryReading;
 use crate::graph::ControlLogic;
 use crate::link::Message;
 use crate::reactive::{Column, Feature, Fit, Label, Refit};
+use crate::reset::{LastWords, Reset, ResetCause};
 use crate::sensors::{ChipSample, ImuReading, Input, Inputs};
 use crate::time::{Instant, at_micros};
 
@@ -47,6 +49,10 @@ pub enum Call {
     Column(Column),
     /// `on_sounded`
     Sounded,
+    /// `on_reset`
+    Reset(Reset),
+    /// `on_battery`
+    Battery(BatteryReading),
     /// Not a call: what a run came to.
     Ran(Ran),
     /// Not a call: whether the last run was changed.
@@ -143,6 +149,8 @@ impl Stamped {
                 out.float(ran.expected.unwrap_or(f32::NAN));
                 out.shares(&ran.shares);
             }
+            Call::Reset(reset) => out.reset(reset),
+            Call::Battery(reading) => out.floats([reading.volts, reading.amps]),
             Call::Judged(changed) => out.byte(u8::from(*changed)),
         }
         out.finish()
@@ -182,6 +190,11 @@ impl Stamped {
             }),
             11 => Call::Judged(from.byte()? != 0),
             12 => Call::Sounded,
+            13 => Call::Reset(from.reset()?),
+            14 => {
+                let [volts, amps] = from.floats()?;
+                Call::Battery(BatteryReading { volts, amps })
+            }
             other => return Err(DecodeError::Unknown(other)),
         };
         Ok((Self { at, call }, bytes.len() - from.rest()))
@@ -206,6 +219,8 @@ impl Call {
             Self::Refit(refit) => autopilot.on_refit(at, *refit),
             Self::Column(column) => autopilot.on_column(at, *column),
             Self::Sounded => autopilot.on_sounded(at),
+            Self::Reset(reset) => autopilot.on_reset(at, reset),
+            Self::Battery(reading) => drop(autopilot.on_battery(at, reading)),
             Self::Ran(_) | Self::Judged(_) => {}
         }
     }
@@ -225,10 +240,23 @@ fn kind(call: &Call) -> u8 {
         Call::Column(_) => 10,
         Call::Judged(_) => 11,
         Call::Sounded => 12,
+        Call::Reset(_) => 13,
+        Call::Battery(_) => 14,
     }
 }
 
 impl Encoder<'_> {
+    fn reset(&mut self, reset: &Reset) {
+        self.byte(reset.cause.number());
+        self.put(reset.brown_out_mv.unwrap_or(0).to_le_bytes());
+        // Where there are no words, there is no magic.
+        self.put(
+            reset
+                .last_words
+                .map_or([0; LastWords::LENGTH], |words| words.to_bytes()),
+        );
+    }
+
     fn refit(&mut self, refit: &Refit) {
         self.byte(refit.input as u8);
         match refit.fit {
@@ -244,6 +272,14 @@ impl Encoder<'_> {
 }
 
 impl Decoder<'_> {
+    fn reset(&mut self) -> Result<Reset, DecodeError> {
+        Ok(Reset {
+            cause: self.choice(ResetCause::from_number)?,
+            brown_out_mv: Some(u16::from_le_bytes(self.take()?)).filter(|mv| *mv > 0),
+            last_words: LastWords::from_bytes(&self.take()?),
+        })
+    }
+
     fn refit(&mut self) -> Result<Refit, DecodeError> {
         let input = self.choice(Input::from_number)?;
         let fit = match self.byte()? {

@@ -2,7 +2,10 @@
 
 use super::demand::{Aim, Silence};
 use super::{Autopilot, Event, Next, Reason, Recorder, notice};
-use crate::config::{ARMING_GRAVITY_ERROR, ARMING_RATE, ARMING_THRUST, ARMING_TILT};
+use crate::battery::BatteryState;
+use crate::config::{
+    ARMING_GRAVITY_ERROR, ARMING_RATE, ARMING_THRUST, ARMING_TILT, DESCEND_WHEN_EMPTY,
+};
 use crate::control::{Goal, MotorTest, Setpoint};
 use crate::graph::ControlLogic;
 use crate::link::{Answer, ArmCommand};
@@ -23,6 +26,10 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             (false, false) => self.move_state(FlightEvent::Disarm, at),
             (false, true) => self.move_state(FlightEvent::ForceDisarm, at),
         };
+        // Whoever disarms a drone that stands has read why it refused to be armed.
+        if !asked.arm && self.safety.state() == FlightState::Disarmed {
+            self.reset = None;
+        }
         let answer = if done {
             Answer::Accepted
         } else {
@@ -103,6 +110,11 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             .and(
                 Check::MotorTest,
                 self.safety.state() != FlightState::Testing,
+            )
+            .and(Check::Battery, self.battery.state() <= BatteryState::Good)
+            .and(
+                Check::Reset,
+                !self.reset.is_some_and(|reset| reset.is_unexpected()),
             )
             .and(Check::Models, self.reactive.are_models_sane())
             .and(Check::Load, self.record.are_runs_in_time(now))
@@ -188,6 +200,13 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         };
         if let Some(event) = self.safety.watch(&seen) {
             self.move_state(event, now);
+        }
+    }
+
+    /// An empty battery ends the flight, before it does so by itself.
+    pub(super) fn check_battery(&mut self, now: Instant) {
+        if DESCEND_WHEN_EMPTY && self.battery.state() == BatteryState::Critical {
+            self.move_state(FlightEvent::BatteryEmpty, now);
         }
     }
 

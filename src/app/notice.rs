@@ -1,6 +1,7 @@
 //! What the pilot is told: states, refusals, silences, with their reasons.
 
 use super::demand::Silence;
+use crate::battery::BatteryState;
 use crate::link::{Notice, Severity};
 use crate::safety::{Check, FlightEvent, FlightState};
 
@@ -36,6 +37,17 @@ pub(super) const fn silent(silence: Silence) -> Notice {
         Silence::Place => "no places, level instead of a goal",
     };
     Notice::new(Severity::Warning, "silent", why)
+}
+
+/// The battery is fuller or emptier than it was.
+pub(super) const fn battery(state: BatteryState) -> Notice {
+    let (severity, why) = match state {
+        BatteryState::Unmeasured => (Severity::Info, "not measured"),
+        BatteryState::Good => (Severity::Info, "good"),
+        BatteryState::Low => (Severity::Warning, "low, land"),
+        BatteryState::Critical => (Severity::Critical, "nearly empty"),
+    };
+    Notice::new(severity, "battery", why)
 }
 
 #[cfg(test)]

@@ -110,6 +110,12 @@ impl Sensing {
         self.silence.lasts()
     }
 
+    /// True where the inertial sensor has been silent for so long that a run must have noticed,
+    /// and none did.
+    pub(super) fn overlooks_silence(&self, now: Instant) -> bool {
+        self.silence.is_overlooked(now, self.patience * 2)
+    }
+
     /// What a run would take now.
     pub(super) fn motion(&self) -> Motion {
         self.arrival.motion()

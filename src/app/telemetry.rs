@@ -7,7 +7,8 @@
 use super::demand::Silence;
 use super::door::{ChipOrder, ChipSetting, Fault, OrderError};
 use crate::math::Quaternion;
-use crate::reactive::{Fit, Phase, Reason};
+use crate::reactive::{FallbackReason, Fit, Phase, Reason};
+use crate::reset::Mode;
 use crate::safety::{Checks, FlightEvent, FlightState};
 use crate::sensors::{Input, Inputs};
 use crate::time::{Duration, Instant, micros, span};
@@ -149,6 +150,21 @@ pub struct Telemetry {
     pub runs: u32,
     /// Events that found no room in the queue.
     pub dropped_events: u32,
+}
+
+impl Telemetry {
+    /// How the drone flies, in a word.
+    #[must_use]
+    pub fn mode(&self) -> Mode {
+        match self.phase {
+            Phase::Ground => Mode::Ground,
+            Phase::WarmUp => Mode::WarmUp,
+            Phase::Reactive => Mode::Reactive,
+            Phase::Fallback(FallbackReason::ImuLost) => Mode::Blind,
+            Phase::Fallback(_) => Mode::Fallback,
+            Phase::Periodic => Mode::Periodic,
+        }
+    }
 }
 
 #[cfg(test)]

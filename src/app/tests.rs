@@ -2,12 +2,14 @@
 
 use super::*;
 use crate::airframe::MotorShares;
+use crate::battery::{BatteryReading, BatteryState};
 use crate::config::{GEOMETRY, HYPERPERIOD, SETTINGS};
 use crate::control::Setpoint;
 use crate::graph::Cascade;
 use crate::link::{Answer, ArmCommand, Message};
 use crate::math::Vec3;
 use crate::reactive::{Fit, Refit};
+use crate::reset::{Ending, LastWords, Mode, Reset, ResetCause};
 use crate::sensors::{Cause, GRAVITY, ImuReading, Input, Inputs};
 use crate::settings::{Policy, WarmUp};
 use crate::time::{at_micros, micros, span};
@@ -346,6 +348,48 @@ fn every_recorded_call_survives_its_bytes() {
         for end in 0..bytes.len() {
             assert_eq!(Stamped::decode(&bytes[..end]), Err(DecodeError::Incomplete));
         }
+    }
+}
+
+#[test]
+fn what_a_board_knows_of_itself_is_kept_and_survives_its_bytes() {
+    let mut rig = Rig::armed(short_warm_up());
+    let words = LastWords {
+        ending: Ending::Panic,
+        mode: Mode::Reactive,
+        exception: 79,
+        program_counter: 0x0800_0100,
+        link_register: 0x0800_0201,
+        place: 0x0802_0000,
+    };
+    for (last_words, brown_out_mv) in [(None, Some(2_830)), (Some(words), None)] {
+        let reset = Reset {
+            cause: ResetCause::Watchdog,
+            last_words,
+            brown_out_mv,
+        };
+        rig.autopilot.on_reset(at_micros(1), &reset);
+        assert_eq!(rig.autopilot.reset(), Some(&reset));
+    }
+    let full = BatteryReading {
+        volts: 12.0,
+        amps: 8.0,
+    };
+    let good = rig.autopilot.on_battery(at_micros(2), &full);
+    assert_eq!(good, Some(BatteryState::Good));
+    let broken = BatteryReading {
+        volts: f32::NAN,
+        ..full
+    };
+    assert_eq!(rig.autopilot.on_battery(at_micros(3), &broken), None);
+    assert_eq!(rig.autopilot.faults(Fault::NotFinite), 1);
+    assert_eq!(rig.autopilot.battery().smoothed(), full);
+    let calls = rig.autopilot.recorder().iter().rev();
+    let finite = calls.skip(1).take(3);
+    for stamped in finite {
+        let mut buffer = [0; LONGEST_RECORD];
+        let bytes = stamped.encode(&mut buffer);
+        assert_eq!(Stamped::decode(bytes), Ok((*stamped, bytes.len())));
     }
 }
 

@@ -11,16 +11,19 @@
 //! | MPU6050 INT | PC0 | EXTI0, rising; TIM2 knows when it is due |
 //! | motors 1 to 4, 5 to 8 | PC6 to PC9, PD12 to PD15 | TIM3, TIM4 |
 //! | link TX, RX | PD5, PD6 | USART2; DMA1 streams 6, 5 |
+//! | battery's voltage, current | PC3, PC5 | ADC1; DMA2 stream 0 |
 //! | crystal | PH0, PH1 | 8 MHz |
 
+mod battery;
 mod chips;
 mod i2c;
 pub mod imu;
 mod imu_line;
 mod link_port;
-mod motors;
+pub mod motors;
 mod spi;
 
+pub use battery::Gauge;
 pub use chips::Chips;
 pub use i2c::Engine;
 pub use imu_line::ImuLine;
@@ -30,18 +33,18 @@ use cortex_m::singleton;
 use embedded_hal_bus::util::AtomicCell;
 use reflex::airframe::Mixer;
 use reflex::config::LINK_WIRED;
+use reflex::reset::Reset;
 use reflex::sensors::Input;
 use reflex::tasks::link;
 use stm32f4xx_hal::dma::StreamsTuple;
 use stm32f4xx_hal::gpio::{self, AnyPin, Output, PinState, Pull, gpioa, gpioc, gpiod};
 use stm32f4xx_hal::syscfg::SysCfg;
-use stm32f4xx_hal::timer::MonoTimerExt;
-use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use stm32f4xx_hal::{pac, prelude::*};
 
 use super::lines::Line;
 use super::settings_block::Given;
-use super::{clock, settings_block, watchdog};
+use super::watchdog::{self, Watchdog};
+use super::{clock, reset, settings_block};
 
 /// The crystal in Hz.
 const CRYSTAL_HZ: u32 = 8_000_000;
@@ -66,8 +69,12 @@ pub struct Board {
     pub motors: Motors,
     /// The link.
     pub link: Link,
+    /// The battery.
+    pub gauge: Gauge,
     /// Running, to be fed from the failsafe timer.
-    pub watchdog: IndependentWatchdog,
+    pub watchdog: Watchdog,
+    /// Why it started.
+    pub reset: Reset,
     /// What this start was given.
     pub start: Given,
     /// The mixer of its airframe: made before the sensors start, as it takes longer than they wait.
@@ -82,11 +89,15 @@ pub struct Board {
 pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board {
     // A probe keeps its connection, and the log flowing, while the core sleeps.
     device.DBGMCU.cr().modify(|_, w| w.dbg_sleep().set_bit());
-    let mut watchdog = watchdog::start(device.IWDG, &device.DBGMCU);
+    let mut watchdog = Watchdog::start(device.IWDG, &device.DBGMCU);
+    let reset = reset::take(&device.RCC, &device.FLASH);
     let mut rcc = clock::start(device.RCC, CRYSTAL_HZ.Hz());
     let rcc = &mut rcc;
-    device.TIM5.monotonic_us(&mut core.NVIC, rcc);
     // The clock runs: from here on the log has time stamps.
+    reset::tell(&reset);
+    if !watchdog::is_ready_for_a_halt(&device.DBGMCU) {
+        defmt::error!("a debugger's halt would leave the motors turning");
+    }
     let start = settings_block::read();
     let mixer = Mixer::new(&start.airframe);
     let (a, b) = (device.GPIOA.split(rcc), device.GPIOB.split(rcc));
@@ -113,6 +124,9 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     let (streams_of_link, buffers) = ((streams.5, streams.6), (ring, block));
     let port = link_port::LinkPort::start(device.USART2, streams_of_link, buffers, rcc);
 
+    let converter = (device.ADC1, device.ADC_COMMON, &device.DMA2);
+    let gauge = Gauge::start(converter, (c.pc3, c.pc5), rcc);
+
     let spi = spi::Spi1::new(device.SPI1, (a.pa5, a.pa6, a.pa7), rcc, &mut core.SCB);
     let spi = singleton!(: AtomicCell<spi::Spi1> = AtomicCell::new(spi)).unwrap();
     let chips = chips::start(spi, chip_selects(a.pa4, c.pc4), &start.settings);
@@ -136,7 +150,9 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
         chips,
         motors,
         link,
+        gauge,
         watchdog,
+        reset,
         start,
         mixer,
     }

@@ -23,6 +23,10 @@ numbered! {
         Thrust,
         /// No motor is being tested.
         MotorTest,
+        /// The battery, where one is measured, is good for a flight.
+        Battery,
+        /// No reset that nobody asked for waits to be acknowledged.
+        Reset,
         /// What reactive control learned are numbers.
         Models,
         /// The processor runs control in time.
@@ -44,6 +48,8 @@ impl Check {
             Self::Setpoint => "no fresh setpoint, nor goal and place",
             Self::Thrust => "setpoint asks for thrust, lower it",
             Self::MotorTest => "a motor is being tested",
+            Self::Battery => "battery low, charge it",
+            Self::Reset => "reset by itself, disarm to acknowledge",
             Self::Models => "a learned model is no number, restart",
             Self::Load => "processor runs control late",
         }

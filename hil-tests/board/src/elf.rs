@@ -180,6 +180,27 @@ impl Elf {
         Ok(())
     }
 
+    /// Has an exception, by its number, led to an address in place of its handler, which is returned.
+    ///
+    /// # Errors
+    /// The firmware has no such vector.
+    pub fn lead(&mut self, exception: u16, to: u32) -> Result<u32> {
+        let file = object::File::parse(&*self.bytes).context("the firmware is not an ELF file")?;
+        let vectors = file.section_by_name(".vector_table");
+        let (start, size) = vectors
+            .and_then(|section| section.file_range())
+            .context("the firmware has no vectors")?;
+        let offset = 4 * u64::from(exception);
+        if offset + 4 > size {
+            bail!("the firmware has no vector {exception}");
+        }
+        let place = (start + offset) as usize;
+        let vector = self.bytes.get_mut(place..place + 4).context("cut off")?;
+        let handler = u32::from_le_bytes(vector.try_into()?);
+        vector.copy_from_slice(&(to | 1).to_le_bytes());
+        Ok(handler)
+    }
+
     /// The stack's region, by the linker's symbols: it grows from the end
     /// towards the start.
     pub fn stack(&self) -> Result<Range<u32>> {

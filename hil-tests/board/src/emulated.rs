@@ -121,6 +121,39 @@ impl EmulatedBoard {
         })
     }
 
+    /// The crystal stops now.
+    ///
+    /// The emulator raises no NMI: a test that wants it has the firmware pend it.
+    pub fn lose_crystal(&mut self) {
+        // As for `transmit`.
+        let _ = self.command(Command::LoseCrystal);
+    }
+
+    /// What the battery's divider and shunt put on their pins from now on, mV; at first nothing.
+    pub fn measure(&mut self, voltage_mv: u32, current_mv: u32) {
+        // As for `transmit`.
+        let _ = self.command(Command::Measure([voltage_mv, current_mv]));
+    }
+
+    /// Writes bytes to memory, or words to registers, between two instructions.
+    pub fn write(&mut self, address: u32, bytes: &[u8]) {
+        // As for `transmit`.
+        let _ = self.command(Command::Write(address, bytes.to_vec()));
+    }
+
+    /// Bytes of memory, or of registers.
+    ///
+    /// # Errors
+    /// The board is at its end, or there is nothing at the address.
+    pub fn read(&mut self, address: u32, length: usize) -> Result<Vec<u8>, Fault> {
+        self.command(Command::Read(address, length))?;
+        loop {
+            if let Message::Memory(bytes) = self.next_message()? {
+                return Ok(bytes);
+            }
+        }
+    }
+
     fn take_batch(&mut self, batch: Batch, observer: &mut dyn Observer) -> Result<bool, Fault> {
         self.now_ns = batch.at_ns;
         for event in &batch.events {

@@ -110,6 +110,10 @@ pub struct Feed {
 pub struct Options {
     /// Bytes for the symbol [`SETTINGS_SYMBOL`]; none leaves it as it is.
     pub settings: Option<Vec<u8>>,
+    /// Bytes that memory holds before the firmware starts, each with the address of its first.
+    pub memory: Vec<(u32, Vec<u8>)>,
+    /// The run goes on past every fault and reset: what the firmware makes of it is looked at.
+    pub survives: bool,
     /// Places, arrivals at which are reported as [`Observer::hit`].
     pub watches: Vec<Watched>,
     /// Memory that is filled while the program runs.
@@ -136,6 +140,8 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             settings: None,
+            memory: Vec::new(),
+            survives: false,
             watches: Vec::new(),
             feed: None,
             flies: true,

@@ -73,13 +73,22 @@ impl Silence {
     ///
     /// At start-up the sensor is given its time to wake.
     pub(super) fn notice(&mut self, now: Instant, patience: Duration) -> bool {
-        let silent = match self.heard {
-            Some(at) => span(at, now) > patience,
-            None => now > at_micros(0) + WAKING,
-        };
+        let silent = self.is_longer(now, patience);
         let noticed = silent && !self.noticed;
         self.noticed = silent;
         noticed
+    }
+
+    /// True where a silence lasts longer than `patience` and nobody noticed.
+    pub(super) fn is_overlooked(&self, now: Instant, patience: Duration) -> bool {
+        !self.noticed && self.is_longer(now, patience)
+    }
+
+    fn is_longer(&self, now: Instant, patience: Duration) -> bool {
+        match self.heard {
+            Some(at) => span(at, now) > patience,
+            None => now > at_micros(0) + WAKING,
+        }
     }
 }
 

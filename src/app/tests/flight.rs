@@ -1,13 +1,16 @@
 //! From arming to the end of a flight: no thrust unasked, no flight without end.
 
 use super::*;
+use crate::battery::BatteryReading;
 use crate::config::{
-    ARMING_THRUST, BLIND_TIME, DESCENT_THRUST, DESCENT_TIME, LANDED_TIME, LONGEST_ON_GROUND,
-    MOTOR_TEST_SHARE, MOTOR_TEST_TIME, SETPOINT_TIMEOUT, UPSET_TIME, WAITING_TIME,
+    ARMING_THRUST, BATTERY_CRITICAL_V, BATTERY_LOW_V, BLIND_TIME, DESCENT_THRUST, DESCENT_TIME,
+    LANDED_TIME, LONGEST_ON_GROUND, MOTOR_TEST_SHARE, MOTOR_TEST_TIME, SETPOINT_TIMEOUT,
+    UPSET_TIME, WAITING_TIME,
 };
 use crate::control::MotorTest;
 use crate::graph::OpenPilot;
 use crate::link::{Destination, ExternalPose};
+use crate::reset::{Reset, ResetCause};
 use crate::safety::{Check, FlightState};
 use crate::units::{Position, Velocity};
 
@@ -152,6 +155,50 @@ fn each_check_refuses_to_arm_by_its_name() {
             rig.told_pilot()
         );
     }
+}
+
+fn measured(rig: &mut Rig, volts: f32) {
+    let reading = BatteryReading { volts, amps: 1.0 };
+    rig.autopilot.on_battery(at_micros(rig.now), &reading);
+}
+
+#[test]
+fn a_battery_that_is_nearly_empty_ends_the_flight_and_a_low_one_begins_none() {
+    let mut rig = Rig::new(SETTINGS).standing();
+    measured(&mut rig, BATTERY_LOW_V - 0.1);
+    rig.fly_at(0.0);
+    assert_eq!(rig.tell(&ARM), Some(Answer::TemporarilyRejected));
+    assert_eq!(rig.told_pilot()[0], "battery: low, land");
+    let mut rig = Rig::armed(SETTINGS);
+    rig.flown(2_000, gusty);
+    measured(&mut rig, BATTERY_CRITICAL_V - 0.1);
+    for _ in 0..3 {
+        rig.fly_at(0.7);
+        rig.milliseconds(200, gusty);
+        assert_eq!(rig.state(), FlightState::Descending);
+        let thrust = rig.autopilot.graph.flown().thrust.share();
+        assert!(thrust < 0.5, "the pilot's 0.7 is not flown: {thrust}");
+    }
+    let told = rig.told_pilot();
+    let why = "descending: battery nearly empty";
+    assert!(told.iter().any(|line| line == why), "{told:?}");
+}
+
+#[test]
+fn a_reset_that_nobody_asked_for_is_acknowledged_by_a_disarm() {
+    let mut rig = Rig::new(SETTINGS);
+    let watchdog = Reset {
+        cause: ResetCause::Watchdog,
+        last_words: None,
+        brown_out_mv: None,
+    };
+    rig.autopilot.on_reset(at_micros(0), &watchdog);
+    let mut rig = rig.standing();
+    rig.fly_at(0.0);
+    assert_eq!(rig.tell(&ARM), Some(Answer::TemporarilyRejected));
+    assert!(rig.told_pilot()[0].contains("reset by itself"));
+    assert_eq!(rig.tell(&DISARM), Some(Answer::Accepted));
+    assert_eq!(rig.tell(&ARM), Some(Answer::Accepted));
 }
 
 #[test]

@@ -7,10 +7,9 @@ use reflex::tasks::mpu6050::{CONFIG, Sensor};
 use reflex_drivers::Error;
 use reflex_drivers::legacy_hal::Lent;
 use reflex_drivers::mpu6050::{ADDRESS, Difference, Mpu6050};
-use rtic_time::Monotonic;
 
 use super::i2c::{Bus, BusError};
-use crate::board::clock::{Delay, Mono};
+use crate::board::clock::{Delay, sleep};
 
 /// Wakes the chip and configures it, for the first time; 100 ms of that is the crate's wait.
 ///
@@ -56,7 +55,7 @@ pub async fn repair(bus: &mut Bus, remedy: Remedy, failed: &mut bool) -> Repaire
         let (steps, wait) = <Sensor as Configure<Bus>>::RESET;
         for step in 0..steps {
             result = result.and(Sensor::reset(bus, step));
-            Mono::delay(wait).await;
+            sleep(wait).await;
         }
     }
     let result = result.and_then(|()| Sensor::configure(bus));

@@ -62,6 +62,8 @@ pub(super) enum Message {
     /// Some polls, in order.
     Batches(Vec<Batch>),
     Final(Final),
+    /// What was read.
+    Memory(Vec<u8>),
     /// The emulator gave up, with its message.
     Failed(String),
 }
@@ -72,5 +74,10 @@ pub(super) enum Command {
     RunUntil(u64),
     Transmit(u64, Vec<u8>),
     Count,
+    LoseCrystal,
+    /// Voltages at the battery's pins, mV.
+    Measure([u32; 2]),
+    Write(u32, Vec<u8>),
+    Read(u32, usize),
     Finish,
 }

@@ -11,6 +11,7 @@ use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::Store;
 use rigless::soc::stm32f427::Stm32f427;
 use rigless::soc::stm32f427::generated::{dma2, rcc};
+use rigless::soc::stm32f427::peripherals::adc::Channel;
 use rigless::soc::stm32f427::peripherals::dma::Dma;
 use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::soc::{Bus, Error};
@@ -28,7 +29,8 @@ use super::metered::MeteredCore;
 use super::open_drain::OpenDrainPort;
 use super::pwm_timer::{CHANNELS, PwmTimer};
 use super::reflex_f427::{
-    CRYSTAL_HZ, IMU_BUS, IMU_PORT, LINE_PORT_NUMBER, LINK_USART, MOTOR_TIMERS,
+    BATTERY_ADC, BATTERY_CHANNELS, CRYSTAL_HZ, IMU_BUS, IMU_PORT, LINE_PORT_NUMBER, LINK_USART,
+    MOTOR_TIMERS,
 };
 use super::sensors::Sensors;
 use super::syscfg::Syscfg;
@@ -78,6 +80,7 @@ impl Part {
         let mut soc = Stm32f427::new()?;
         soc.rcc.attach_crystals(CRYSTAL_HZ, 0);
         soc.set_supply(SUPPLY_MV);
+        soc.adc[BATTERY_ADC].set_reference(SUPPLY_MV);
         sensors.attach(&mut soc);
         soc.usart[LINK_USART].attach_boxed(Box::new(link.clone()));
         let [first, second] = MOTOR_TIMERS;
@@ -120,6 +123,21 @@ impl Part {
         self.timers
             .iter()
             .fold(0, |driven, timer| driven | timer.driven())
+    }
+
+    /// The crystal stops.
+    pub(super) fn lose_crystal(&mut self, at: VirtualNanos) {
+        self.soc.drive_clocks(at, |rcc, registers, context| {
+            rcc.fail_hse(registers, context)
+        });
+    }
+
+    /// What the battery's divider and shunt put on their pins, mV.
+    pub(super) fn measure(&mut self, millivolts: [u32; 2]) {
+        for (channel, millivolts) in BATTERY_CHANNELS.into_iter().zip(millivolts) {
+            let channel = Channel::new(channel).expect("one of sixteen");
+            self.soc.adc[BATTERY_ADC].set_input(channel, millivolts);
+        }
     }
 
     /// Puts on the pins what the board holds there at a reset.

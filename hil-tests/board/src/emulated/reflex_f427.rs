@@ -29,6 +29,10 @@ pub(super) const IMU_STREAM: usize = 0;
 pub(super) const CHIPS_SPI: usize = 0;
 pub(super) const LINK_USART: usize = 1;
 
+/// The converter of the battery, ADC1, and the channels of its pins PC3 and PC5.
+pub(super) const BATTERY_ADC: usize = 0;
+pub(super) const BATTERY_CHANNELS: [u8; 2] = [13, 15];
+
 /// Chip selects of the dies with clocks of their own.
 pub(super) const SELECTS: OfDies<Wire> = [
     Wire::new("accelerometer select", "GPIOA", 4, Use::Output),

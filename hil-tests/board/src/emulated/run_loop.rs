@@ -10,26 +10,30 @@ use std::sync::mpsc::{Receiver, SyncSender};
 
 use anyhow::Result;
 use rigless::emulator::{Driver, Hit as WatchHit, Host, Settled, Stop, Watch};
+use rigless::mcu::Operate;
 use rigless::session::Session;
+use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
 use super::batch::{Batch, Command, Event, Final, Message};
 use super::health::{HOLES, Health};
 use super::memory::Memory;
 use super::meter::SharedMeter;
-use super::part::Rig;
+use super::part::{Part, Rig};
 use crate::motors::VectorGatherer;
-use crate::rings::{CallLog, RttLog};
+use crate::rings::{CallLog, RttLog, TargetMemory};
 use crate::{CALLS_SYMBOL, Elf, FaultKind, Hit, Options, SETTINGS_SYMBOL};
 
 /// Polls that cross to the host's thread together, to wake it less often.
 const POLLS_TOGETHER: usize = 16;
+/// Where registers begin: below is memory.
+const REGISTERS: u32 = 0x4000_0000;
 /// How long a core may go on after a fault, so that its handler can log.
 const LAST_WORDS_NS: u64 = 200_000;
 /// Handlers that end the flight, and the fault that arriving there means.
 const FATAL: [(&str, FaultKind); 2] = [
     ("HardFault", FaultKind::HardFault { detail: None }),
-    ("DefaultHandler_", FaultKind::UnhandledInterrupt),
+    ("DefaultHandler", FaultKind::UnhandledInterrupt),
 ];
 
 /// Blocks that are still to be written, and where asking for one begins.
@@ -56,7 +60,8 @@ pub(super) struct RunLoop {
     commands: Receiver<Command>,
     messages: SyncSender<Message>,
     poll_ns: u64,
-    settings: Option<(u32, Vec<u8>)>,
+    memory: Vec<(u32, Vec<u8>)>,
+    survives: bool,
     stack: Range<u32>,
     watches: Vec<u64>,
     fatal: Vec<(u64, FaultKind)>,
@@ -83,6 +88,7 @@ impl RunLoop {
             let address = elf.symbol(SETTINGS_SYMBOL)?;
             anyhow::Ok((address, bytes))
         });
+        let memory = options.memory.iter().cloned().map(Ok).chain(settings);
         let watches = options
             .watches
             .iter()
@@ -91,6 +97,7 @@ impl RunLoop {
         let calls = options.flies.then(|| elf.symbol(CALLS_SYMBOL));
         let fatal = FATAL
             .into_iter()
+            .filter(|_| !options.survives)
             .map(|(name, fault)| Ok((u64::from(elf.code(name)?), fault)));
         Ok(Self {
             elf: Arc::clone(elf),
@@ -98,7 +105,8 @@ impl RunLoop {
             commands,
             messages,
             poll_ns: options.poll_ns.max(1),
-            settings: settings.transpose()?,
+            memory: memory.collect::<Result<_>>()?,
+            survives: options.survives,
             stack: elf.stack()?,
             watches: watches.collect::<Result<_>>()?,
             fatal: fatal.collect::<Result<_>>()?,
@@ -122,8 +130,8 @@ impl RunLoop {
     ) -> Result<(), FaultKind> {
         let mut memory = Memory(host);
         memory.paint(&self.stack)?;
-        if let Some((address, bytes)) = self.settings.take() {
-            memory.write(address, &bytes)?;
+        for (address, bytes) in &self.memory {
+            memory.write(*address, bytes)?;
         }
         for hole in HOLES {
             session.fail_next(hole.start, hole.end);
@@ -159,6 +167,7 @@ impl RunLoop {
         };
         // A stack that overflowed explains everything that follows from it.
         batch.fault = match (full, rings) {
+            (Ok(_), Ok(())) if self.survives => None,
             (Ok(true), _) => Some(overflow),
             (Err(fault), _) | (_, Err(fault)) => Some(fault),
             (Ok(false), Ok(())) => self.health.check(session, &batch),
@@ -198,6 +207,24 @@ impl RunLoop {
                 Command::Count => {
                     let code = self.elf.executable();
                     self.meter.start(code, stop.at.0, stop.instruction_count);
+                }
+                Command::LoseCrystal => session.board_mut().part.lose_crystal(stop.at),
+                Command::Measure(millivolts) => {
+                    session.board_mut().part.measure(millivolts);
+                }
+                Command::Write(address, bytes) => {
+                    let part = &mut session.board_mut().part;
+                    if let Err(fault) = write(part, stop.at, host, address, &bytes) {
+                        self.health.condemn(fault);
+                    }
+                }
+                Command::Read(address, length) => {
+                    let part = &mut session.board_mut().part;
+                    let answer = match read(part, stop.at, host, address, length) {
+                        Ok(bytes) => Message::Memory(bytes),
+                        Err(fault) => Message::Failed(fault.to_string()),
+                    };
+                    self.messages.send(answer).ok()?;
                 }
                 Command::RunUntil(until_ns) => {
                     self.until_ns = until_ns;
@@ -269,6 +296,47 @@ impl RunLoop {
     }
 }
 
+/// Bytes of memory, or of the registers of the part's peripherals.
+fn read(
+    part: &mut Part,
+    at: VirtualNanos,
+    host: &mut dyn Host,
+    address: u32,
+    length: usize,
+) -> Result<Vec<u8>, FaultKind> {
+    let mut bytes = vec![0; length];
+    if address < REGISTERS {
+        Memory(host).read(address, &mut bytes)?;
+        return Ok(bytes);
+    }
+    for (word, address) in bytes.chunks_mut(4).zip((u64::from(address)..).step_by(4)) {
+        let value = part.read(at, address, Width::W32);
+        let value = value.map_err(|error| FaultKind::Emulator(format!("{error:?}")))?;
+        word.copy_from_slice(&(value as u32).to_le_bytes()[..word.len()]);
+    }
+    Ok(bytes)
+}
+
+/// Writes bytes to memory, or words to the registers of the part's peripherals.
+fn write(
+    part: &mut Part,
+    at: VirtualNanos,
+    host: &mut dyn Host,
+    address: u32,
+    bytes: &[u8],
+) -> Result<(), FaultKind> {
+    if address < REGISTERS {
+        return Memory(host).write(address, bytes);
+    }
+    let words = bytes.as_chunks().0.iter();
+    for (word, address) in words.zip((u64::from(address)..).step_by(4)) {
+        let value = u64::from(u32::from_le_bytes(*word));
+        let written = part.write(at, address, Width::W32, value);
+        written.map_err(|error| FaultKind::Emulator(format!("{error:?}")))?;
+    }
+    Ok(())
+}
+
 impl Driver<Rig> for RunLoop {
     fn on_settled(&mut self, session: &mut Session<Rig>, host: &mut dyn Host, settled: Settled) {
         match settled {
@@ -278,7 +346,9 @@ impl Driver<Rig> for RunLoop {
             }
             Settled::Access { access, .. } => self.health.note_access(access),
             // A board that was reset is at its end: no need to boot it again.
-            Settled::Stop(stop) if !session.resets().is_empty() => session.run_until(stop.at),
+            Settled::Stop(stop) if !self.survives && !session.resets().is_empty() => {
+                session.run_until(stop.at);
+            }
             _ => {}
         }
     }

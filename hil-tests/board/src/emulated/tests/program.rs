@@ -97,7 +97,7 @@ const SYMBOLS: [(&str, u32, u16); 11] = [
     ("REFLEX_SETTINGS", SETTINGS, ABSOLUTE),
     ("_SEGGER_RTT", RTT, ABSOLUTE),
     ("HardFault", HANDLER | 1, ABSOLUTE),
-    ("DefaultHandler_", UNHANDLED | 1, ABSOLUTE),
+    ("DefaultHandler", UNHANDLED | 1, ABSOLUTE),
     ("_defmt_version_ = 4", 0, ABSOLUTE),
     ("_defmt_encoding_ = rzcobs", 0, ABSOLUTE),
     (

@@ -14,7 +14,8 @@ const LAYERS: [Layers; 2] = [
         root: "src/lib.rs",
         layers: &[
             &[
-                "config", "math", "numbered", "sensors", "settings", "time", "units",
+                "battery", "config", "math", "numbered", "reset", "sensors", "settings", "time",
+                "units",
             ],
             &["airframe", "control", "dataflow", "estimate"],
             &["graph"],
