@@ -175,9 +175,10 @@ fn position_target(payload: &[u8]) -> Option<Decoded> {
 ///
 /// `type_mask` must ignore accelerations and yaw rate, and may ignore the three velocities
 /// together, for a place that does not move, and the yaw, for a heading that is kept. Fields
-/// that are ignored may hold anything; a yaw is wrapped to within -pi to pi.
+/// that are ignored may hold anything, and accelerations be called forces; a yaw is wrapped to
+/// within -pi to pi.
 ///
-/// Refused: every other mask (a position or a single velocity left out, accelerations or forces,
+/// Refused: every other mask (a position or a single velocity left out, accelerations,
 /// a yaw rate); `coordinate_frame` other than MAV_FRAME_LOCAL_NED; a position, velocity or yaw
 /// that is not a number or beyond 100 km, 1000 m/s or 2 pi.
 fn destination(target: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Option<Destination> {
@@ -194,7 +195,9 @@ fn destination(target: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Option<Destinatio
     let mut expected = always;
     expected.set(no_velocity, !moves);
     expected.set(no_yaw, !turns);
-    if target.type_mask != expected || target.coordinate_frame != MavFrame::MAV_FRAME_LOCAL_NED {
+    // Whether what is ignored would be a force or an acceleration says nothing.
+    let mask = target.type_mask - PositionMask::POSITION_TARGET_TYPEMASK_FORCE_SET;
+    if mask != expected || target.coordinate_frame != MavFrame::MAV_FRAME_LOCAL_NED {
         return None;
     }
     let position = Vec3::new(target.x, target.y, target.z);
