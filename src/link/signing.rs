@@ -85,6 +85,8 @@ pub(super) enum Doubt {
     Unsigned,
     OldStamp,
     NoRoom,
+    /// Nothing would come of it: the hash was not computed.
+    Unheeded,
     BadSignature,
 }
 
@@ -128,6 +130,11 @@ impl Signing {
         self.at = at;
     }
 
+    /// True where there is a key.
+    pub(super) fn is_on(&self) -> bool {
+        self.key.is_some()
+    }
+
     /// The key in force with the stamp of now: to be kept, and [set](Self::set) after a restart.
     #[must_use]
     pub fn key(&self, at: Instant) -> Option<SigningKey> {
@@ -142,7 +149,12 @@ impl Signing {
     /// Judges a frame whose checksum holds; takes note of its stamp where it is believed.
     ///
     /// The hash, which takes longest, comes last.
-    pub(super) fn check(&mut self, at: Instant, frame: &RawFrame<'_>) -> Result<(), Doubt> {
+    pub(super) fn check(
+        &mut self,
+        at: Instant,
+        frame: &RawFrame<'_>,
+        heeded: bool,
+    ) -> Result<(), Doubt> {
         let Some(key) = self.key(at) else {
             return Ok(());
         };
@@ -158,6 +170,7 @@ impl Signing {
             Some(last) if stamp <= *last => return Err(Doubt::OldStamp),
             None if stamp.saturating_add(MINUTE) < key.stamp => return Err(Doubt::OldStamp),
             None if self.streams.is_full() => return Err(Doubt::NoRoom),
+            _ if !heeded => return Err(Doubt::Unheeded),
             _ => {}
         }
         // All bytes are compared: the time taken tells nothing about the right ones.
