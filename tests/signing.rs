@@ -69,7 +69,7 @@ fn ours() -> Vec<Vec<u8>> {
     let frames = [
         sender.heartbeat(true, Status::Active),
         sender.command_ack(to, 400, reflex::link::Answer::Denied),
-        sender.notice(&Notice::new(Severity::Warning, "too hot")),
+        sender.notice(&Notice::new(Severity::Warning, "too hot", "land")),
     ];
     let signed = frames.into_iter().map(|mut frame| {
         parser.signing().sign(NOW, &mut frame);

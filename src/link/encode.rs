@@ -146,10 +146,7 @@ impl Sender {
     /// STATUSTEXT: what happened, for whoever listens.
     pub fn notice(&mut self, notice: &Notice) -> Frame {
         let mut payload = [0; STATUSTEXT_LENGTH];
-        let text = notice.text().as_bytes();
-        let fields = [notice.severity() as u8]
-            .into_iter()
-            .chain(text.iter().copied());
+        let fields = [notice.severity() as u8].into_iter().chain(notice.line());
         for (field, value) in payload.iter_mut().zip(fields) {
             *field = value;
         }

@@ -43,7 +43,7 @@ impl Destination {
 pub struct ArmCommand {
     /// Arm; else disarm.
     pub arm: bool,
-    /// Whatever the checks say (`param2` is 21196).
+    /// Disarm in the air, too (`param2` is 21196); an arm command is never forced.
     pub force: bool,
 }
 
@@ -54,10 +54,16 @@ impl ArmCommand {
         force: false,
     };
 
-    /// Disarm, if the checks allow it.
+    /// Disarm, on the ground.
     pub const DISARM: Self = Self {
         arm: false,
         force: false,
+    };
+
+    /// Disarm, wherever the drone is.
+    pub const FORCED_DISARM: Self = Self {
+        arm: false,
+        force: true,
     };
 }
 

@@ -23,28 +23,26 @@ pub enum Severity {
     Debug,
 }
 
-/// A text with its severity, as one STATUSTEXT carries it.
+/// A line `what: why` with its severity, as one STATUSTEXT carries it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Notice {
     severity: Severity,
-    text: &'static str,
+    what: &'static str,
+    why: &'static str,
 }
 
 impl Notice {
-    /// Bytes of the longest text: longer ones would come in pieces that may get lost one by one.
+    /// Bytes of the longest line: longer ones would come in pieces that may get lost one by one.
     pub const LONGEST: usize = 50;
 
-    /// A notice for a constant, or `const { .. }`: a text that is too long stops the build there.
-    ///
-    /// # Panics
-    /// The text is longer than [`Self::LONGEST`] bytes, or not ASCII.
+    /// A notice; of a line beyond [`Self::LONGEST`] bytes of ASCII the rest is not sent.
     #[must_use]
-    pub const fn new(severity: Severity, text: &'static str) -> Self {
-        assert!(
-            text.len() <= Self::LONGEST && text.is_ascii(),
-            "a notice is at most 50 bytes of ASCII"
-        );
-        Self { severity, text }
+    pub const fn new(severity: Severity, what: &'static str, why: &'static str) -> Self {
+        Self {
+            severity,
+            what,
+            why,
+        }
     }
 
     /// How bad it is.
@@ -53,9 +51,8 @@ impl Notice {
         self.severity
     }
 
-    /// What happened.
-    #[must_use]
-    pub const fn text(&self) -> &'static str {
-        self.text
+    /// The bytes of its line.
+    pub fn line(&self) -> impl Iterator<Item = u8> {
+        self.what.bytes().chain(*b": ").chain(self.why.bytes())
     }
 }

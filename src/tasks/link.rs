@@ -6,7 +6,7 @@ use crate::graph::ControlLogic;
 use crate::link::{
     ARM_DISARM, Frame, Incoming, LinkCounters, Notice, Parser, Sender, Severity, Status,
 };
-use crate::safety::Arming;
+use crate::safety::FlightState;
 use crate::time::{Duration, Instant, micros};
 
 /// Between two heartbeats.
@@ -92,8 +92,8 @@ impl<P: Port> Link<P> {
                         answer,
                     } => Some(self.sender.command_ack(from, command, answer)),
                     Incoming::Key(key) => {
-                        let arming = pilot.lock(|pilot| pilot.telemetry().arming);
-                        let notice = refusal_of_key(self.wired, arming).unwrap_or_else(|| {
+                        let armed = pilot.lock(|pilot| pilot.telemetry().state.is_armed());
+                        let notice = refusal_of_key(self.wired, armed).unwrap_or_else(|| {
                             feed.signing().set(at, key);
                             KEY_SET
                         });
@@ -130,13 +130,15 @@ impl<P: Port> Link<P> {
     /// Sends a HEARTBEAT; left out where the serial line is still busy with earlier ones.
     ///
     /// Returns what the link counted, where frames were spoilt since it last did: for the log.
-    pub fn beat(&mut self, at: Instant, arming: Arming) -> Option<LinkCounters> {
-        let status = match arming {
-            Arming::Calibrating => Status::Calibrating,
-            Arming::Disarmed => Status::Standby,
-            Arming::Armed => Status::Active,
+    pub fn beat(&mut self, at: Instant, state: FlightState) -> Option<LinkCounters> {
+        let status = match state {
+            FlightState::Calibrating => Status::Calibrating,
+            FlightState::Disarmed => Status::Standby,
+            FlightState::Armed | FlightState::Flying => Status::Active,
+            FlightState::Waiting | FlightState::Descending => Status::Critical,
+            FlightState::Blind => Status::Emergency,
         };
-        let frame = self.sender.heartbeat(arming == Arming::Armed, status);
+        let frame = self.sender.heartbeat(state.is_armed(), status);
         let _ = self.send(at, frame);
         let counters = self.parser.counters();
         let news = counters.spoilt() != self.logged.spoilt();
@@ -148,16 +150,45 @@ impl<P: Port> Link<P> {
 }
 
 /// What is told where a signing key was taken.
-const KEY_SET: Notice = Notice::new(Severity::Notice, "Signing key set");
+const KEY_SET: Notice = Notice::new(Severity::Notice, "signing key", "set");
 
 /// Why no signing key is taken: over the air it would be heard, in flight it might be wrong.
-fn refusal_of_key(wired: bool, arming: Arming) -> Option<Notice> {
-    const NOT_WIRED: Notice = Notice::new(Severity::Warning, "Signing key refused: not wired");
-    const ARMED: Notice = Notice::new(Severity::Warning, "Signing key refused: armed");
+fn refusal_of_key(wired: bool, armed: bool) -> Option<Notice> {
+    const NOT_WIRED: Notice = Notice::new(Severity::Warning, "signing key refused", "not wired");
+    const ARMED: Notice = Notice::new(Severity::Warning, "signing key refused", "armed");
     if !wired {
         return Some(NOT_WIRED);
     }
-    (arming == Arming::Armed).then_some(ARMED)
+    armed.then_some(ARMED)
+}
+
+/// Tells the pilot what waits to be told, as long as the serial line takes it.
+fn tell_pilot<P: Port, R: Recorder, L: ControlLogic>(
+    at: Instant,
+    link: &mut impl Lock<Target = Link<P>>,
+    pilot: &mut impl Lock<Target = Autopilot<R, L>>,
+) {
+    while let Some(notice) = pilot.lock(|pilot| pilot.notice()) {
+        if link.lock(|link| link.tell(at, &notice)).is_err() {
+            return;
+        }
+        pilot.lock(Autopilot::on_told);
+    }
+}
+
+/// Once a second: that the drone is there, its state, and what the pilot was not told yet.
+///
+/// Returns what the link counted, where frames were spoilt since it last did: for the log.
+pub fn beat<P: Port, R: Recorder, L: ControlLogic>(
+    board: &mut impl Board,
+    link: &mut impl Lock<Target = Link<P>>,
+    pilot: &mut impl Lock<Target = Autopilot<R, L>>,
+) -> Option<LinkCounters> {
+    let at = board.now();
+    let state = pilot.lock(|pilot| pilot.telemetry().state);
+    let counters = link.lock(|link| link.beat(at, state));
+    tell_pilot(at, link, pilot);
+    counters
 }
 
 /// Takes what the link brought; messages go to the autopilot, answers back to the peer.
@@ -169,6 +200,7 @@ pub fn receive<P: Port, R: Recorder, L: ControlLogic>(
     if let Some(fault) = link.lock(|link| link.receive(board, pilot)) {
         pilot.lock(|pilot| pilot.on_fault(board.now(), fault));
     }
+    tell_pilot(board.now(), link, pilot);
 }
 
 #[cfg(test)]
@@ -176,11 +208,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_signing_key_is_never_taken_while_armed() {
-        let refused = |wired, arming| refusal_of_key(wired, arming).is_some();
-        for arming in [Arming::Calibrating, Arming::Disarmed, Arming::Armed] {
-            assert!(refused(false, arming));
-            assert_eq!(refused(true, arming), arming == Arming::Armed);
-        }
+    fn a_signing_key_is_taken_over_a_cable_and_never_while_armed() {
+        let taken = |wired, armed| refusal_of_key(wired, armed).is_none();
+        assert!(taken(true, false));
+        assert!(!taken(true, true) && !taken(false, false) && !taken(false, true));
     }
 }

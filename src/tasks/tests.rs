@@ -9,7 +9,7 @@ use super::*;
 use crate::app::{Autopilot, ChipOrder, ChipSetting, Fault, OrderError};
 use crate::config::SETTINGS;
 use crate::graph::Cascade;
-use crate::safety::{Arming, MotorOutput};
+use crate::safety::{FlightState, MotorOutput};
 use crate::sensors::{Cause, Input};
 use crate::settings::Settings;
 use crate::time::{at_micros, micros};
@@ -294,7 +294,7 @@ fn a_signing_key_is_taken_over_a_cable_only() {
             &mut Unshared(&mut link),
             &mut Unshared(&mut pilot),
         );
-        link.beat(at_micros(5), Arming::Disarmed);
+        link.beat(at_micros(5), FlightState::Disarmed);
         let [notice, beat] = &link.port().said[..] else {
             panic!("a notice and a heartbeat");
         };

@@ -200,7 +200,7 @@ fn a_full_notice_fits_with_its_signature_and_no_stamp_is_used_twice() {
     let mut sender = Sender::new(4);
     let longest = "12345678901234567890123456789012345678901234567890";
     let mut stamps = [0, 1, 2].map(|_| {
-        let mut frame = sender.notice(&Notice::new(Severity::Info, longest));
+        let mut frame = sender.notice(&Notice::new(Severity::Info, longest, ""));
         parser.signing().sign(NOW, &mut frame);
         let bytes = frame.as_bytes();
         assert_eq!(bytes.len(), LONGEST_FRAME_OUT);
