@@ -1,4 +1,4 @@
-//! What is no command, at the full rate of the link: random bytes, and the dearest frames found.
+//! Garbage on the link: random bytes, and the dearest frames that were found.
 
 use core::hint::black_box;
 

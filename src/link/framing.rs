@@ -8,10 +8,9 @@
 //! Setpoints follow one another, and commands are repeated until they are answered.
 
 use super::peers::Peer;
-use super::signing::SIGNATURE;
 use crate::time::Instant;
 use mavlink::calculate_crc;
-use mavlink::consts::v2::IFLAG_SIGNED;
+use mavlink::consts::v2::{IFLAG_SIGNED, SIGNATURE_SIZE};
 use mavlink::dialects::common::{
     COMMAND_INT_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, ODOMETRY_DATA, SET_ATTITUDE_TARGET_DATA,
     SET_POSITION_TARGET_LOCAL_NED_DATA, SETUP_SIGNING_DATA,
@@ -28,7 +27,7 @@ const OVERHEAD_1: usize = 8;
 const OVERHEAD_2: usize = 12;
 
 /// Longest frame: 255 bytes of payload, signed.
-pub(super) const LONGEST_FRAME: usize = OVERHEAD_2 + 255 + SIGNATURE;
+pub(super) const LONGEST_FRAME: usize = OVERHEAD_2 + 255 + SIGNATURE_SIZE;
 
 /// A frame as it was sent.
 #[derive(Clone, Copy)]
@@ -75,7 +74,7 @@ pub(super) fn examine(held: &[u8], paid: usize) -> Candidate<'_> {
         }
         [MAV_STX_V2, _, flags, ..] if flags & !IFLAG_SIGNED != 0 => Candidate::BadFlags,
         [MAV_STX_V2, length, flags, ..] => {
-            let signature = if flags == 0 { 0 } else { SIGNATURE };
+            let signature = if flags == 0 { 0 } else { SIGNATURE_SIZE };
             let total = OVERHEAD_2 + usize::from(length) + signature;
             examine_complete(held, length.into(), total, paid)
                 .unwrap_or(Candidate::Incomplete(total))

@@ -118,7 +118,8 @@ impl Parser {
 
     /// Takes note of bytes that were read.
     fn pay(&mut self, bytes: usize) {
-        self.paid = (self.paid + CHECKSUMS * bytes).min(MOST_PAID);
+        let earned = bytes.saturating_mul(CHECKSUMS);
+        self.paid = self.paid.saturating_add(earned).min(MOST_PAID);
     }
 
     fn resynchronise(&mut self) -> Step {

@@ -280,8 +280,8 @@ fn a_signing_key_is_taken_over_a_cable_only() {
     let mut frame = MAVLinkV2MessageRaw::new();
     frame.serialize_message_data(MavHeader::default(), &setup);
     for (wired, told) in [
-        (true, "Signing key set"),
-        (false, "Signing key refused: not wired"),
+        (true, "signing key: set"),
+        (false, "signing key refused: not wired"),
     ] {
         let (mut board, mut pilot) = (Noted::default(), pilot());
         let port = Talk {

@@ -1,4 +1,4 @@
-//! Which signed frames are believed. The interplay with other programs is in `tests/signing.rs`.
+//! Which signed frames are believed; for other programs see `tests/signing.rs`.
 
 use super::*;
 use crate::time::micros;
