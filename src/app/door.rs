@@ -42,6 +42,8 @@ numbered! {
         Goal,
         /// Predicted commands missed twice in a row: they are foreseen exactly for a while.
         Prediction,
+        /// A position was further from where motion leads than can be: not used.
+        PlaceJump,
     }
 }
 
