@@ -26,7 +26,7 @@ use crate::airframe::Mixer;
 use crate::battery::{Battery, BatteryReading, BatteryState};
 use crate::config::NOT_FINITE_LIMIT;
 use crate::control::Setpoint;
-use crate::estimate::{Motion, Place};
+use crate::estimate::{Followed, Motion, Place};
 use crate::graph::{ControlLogic, Flown, Tuned};
 use crate::link::{Answer, Destination, ExternalPose, Message, Notice};
 use crate::math::wrapped;
@@ -447,7 +447,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         let before = self.graph.flown_to();
         // The heading at the beginning: one taken anew each time would turn with every error.
         let heading = before.map_or_else(|| self.graph.estimate().heading(), |goal| goal.heading);
-        let goal = destination.goal(heading);
+        let goal = self.demand.tracked(destination.goal(heading));
         self.fly(at, Aim::Goal(goal));
         self.reactive.take_goal(before.as_ref(), &goal);
     }
@@ -455,20 +455,33 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// A pose joins: its place clocks the position loops, its attitude shows yaw drift.
     fn on_pose(&mut self, at: Instant, pose: &ExternalPose) {
         if self.graph.flies_to_goals() {
-            let dt = self.demand.take_place(at);
-            // Behind the motion; motors keep their command.
-            self.advance(at);
-            self.graph.see(Place {
-                position: pose.position,
-                velocity: pose.velocity,
-                dt,
-            });
-            self.join();
+            match self.demand.take_place(at, pose) {
+                Followed::On(place) => self.see(at, place),
+                Followed::Reset(place) => {
+                    self.record.event(Event::PlaceReset);
+                    self.record.notice(notice::PLACE_RESET);
+                    self.see(at, place);
+                }
+                Followed::Jumped => {
+                    self.record.fault(Fault::PlaceJump);
+                    if self.record.faults(Fault::PlaceJump).is_power_of_two() {
+                        self.record.notice(notice::PLACE_JUMPED);
+                    }
+                    return;
+                }
+            }
         }
         if let Some(attitude) = pose.attitude {
             let error = wrapped(attitude.heading() - self.graph.estimate().heading());
             self.sensing.take_pose_error(at, error);
         }
+    }
+
+    /// A place joins, behind the motion that led to it; motors keep their command.
+    fn see(&mut self, at: Instant, place: Place) {
+        self.advance(at);
+        self.graph.see(place);
+        self.join();
     }
 
     /// A new setpoint or goal, behind the motion that the one before led to.

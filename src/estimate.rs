@@ -7,6 +7,7 @@ mod calibration;
 mod mahony;
 mod openpilot;
 mod place;
+mod track;
 
 pub use arrival::{Arrival, Increment, Motion, Rotation, trusted_down};
 pub use attitude::{AttitudeFilter, Corrections};
@@ -14,3 +15,4 @@ pub use calibration::{AtRest, GyroCalibration};
 pub use mahony::{Evidence, MahonyFilter};
 pub use openpilot::{OpenPilotFilter, Turned};
 pub use place::Place;
+pub use track::{Followed, Track};

@@ -2,20 +2,23 @@
 //!
 //! [`Parser`] turns bytes in any chunking into [`Incoming`] messages, [`Sender`] makes the
 //! few frames that the drone sends. Only what is flown is decoded: HEARTBEAT,
-//! SET_ATTITUDE_TARGET, SET_POSITION_TARGET_LOCAL_NED, COMMAND_LONG, COMMAND_INT and ODOMETRY. The crate
-//! `mavlink` supplies the messages' layouts, checksums and enumerations; its reader is left out,
-//! because it decodes the whole dialect (hundreds of messages, more than the flash budget).
+//! SET_ATTITUDE_TARGET, SET_POSITION_TARGET_LOCAL_NED, COMMAND_LONG, COMMAND_INT, ODOMETRY and
+//! SETUP_SIGNING. The crate `mavlink` supplies the messages' layouts, checksums and enumerations;
+//! its reader is left out, because it decodes the whole dialect (hundreds of messages, more than
+//! the flash budget).
 //!
 //! Promises:
 //! - A malformed, truncated or implausible frame changes nothing and is counted
 //!   ([`LinkCounters`]). No value that is infinite or not a number passes.
 //! - Nothing is delivered late: a frame that is not complete [`PATIENCE`] after its first byte
 //!   is dropped, so noise cannot hold back a command to arm and release it seconds later.
+//! - The first station that commands is the pilot, alone; with a key, only signed frames count.
+//!   Who may do what is in `docs/link.md`.
 //! - What lies inside a frame is never read as a frame while the outer one may be sound: a
 //!   recorded flight that passes through as payload (file transfer, tunnel) arms nothing.
 //!
 //! Limits:
-//! - Signatures are skipped, not checked: anyone who can write to the link can fly it.
+//! - Without a key anyone who can write to the link can be its pilot.
 //! - MAVLink 1 frames are skipped. Their payload is not looked at.
 //! - Noise that looks like the start of a frame of another kind takes up to 267 following
 //!   bytes with it, or [`PATIENCE`], whichever ends first.

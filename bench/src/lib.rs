@@ -2,6 +2,8 @@
 #![cfg_attr(target_os = "none", no_std)]
 #![forbid(unsafe_code)]
 
+use reflex::config::LINK_BAUD;
+
 pub mod digest;
 pub mod marks;
 pub mod step;
@@ -39,6 +41,12 @@ const TRIGGER_LIMIT: u64 = 60;
 const PREDICTION_LIMIT: u64 = 190;
 /// A refit is to be done in idle between two samples of the gyroscope, more or less: 1.2 ms.
 const REFIT_LIMIT: u64 = 200_000;
+/// Bytes of garbage in a measurement: 22 ms of the link.
+pub const GARBAGE_BYTES: usize = 1024;
+/// As many as the link's task takes at once.
+pub const GARBAGE_CHUNK: usize = 64;
+/// A twentieth of what the core executes while so many bytes arrive, of 10 bits each.
+const GARBAGE_LIMIT: u64 = 168_000_000 / LINK_BAUD as u64 * 10 * GARBAGE_BYTES as u64 / 20;
 
 const fn part(name: &'static str, rounds: usize, limit: Option<u64>) -> Part {
     Part {
@@ -80,6 +88,36 @@ pub const SWAP: Part = part("swapping a model in", 16, None);
 pub const REFIT: Part = part("refit, typical labels", 16, Some(REFIT_LIMIT));
 /// `RefitJob::fit` on what a search for the dearest labels brings.
 pub const WORST_REFIT: Part = part("refit, dearest labels found", 1024, Some(REFIT_LIMIT));
+/// `Parser::feed` at the full rate of the link, with a key: random bytes.
+pub const NOISE: Part = part(
+    "garbage on the link: random bytes",
+    256,
+    Some(GARBAGE_LIMIT),
+);
+/// Random bytes, half of which may be starts of frames.
+pub const STARTS: Part = part(
+    "garbage on the link: starts of frames",
+    256,
+    Some(GARBAGE_LIMIT),
+);
+/// Right headers, wrong checksums.
+pub const WRONG_CHECKSUM: Part = part(
+    "garbage on the link: wrong checksums",
+    64,
+    Some(GARBAGE_LIMIT),
+);
+/// Right checksums, wrong signatures.
+pub const WRONG_SIGNATURE: Part = part(
+    "garbage on the link: wrong signatures",
+    64,
+    Some(GARBAGE_LIMIT),
+);
+/// Starts of the longest frames, each within the one before.
+pub const NESTED: Part = part(
+    "garbage on the link: frames within frames",
+    64,
+    Some(GARBAGE_LIMIT),
+);
 
 /// A sum of two floats where no unit computes it, by the library of the compiler.
 pub const SOFT_SUM: Part = part("without an FPU: a sum", 256, None);
@@ -93,7 +131,7 @@ pub const SOFT_COMPARISON: Part = part("without an FPU: a comparison", 256, None
 pub const SOFT_CONVERSION: Part = part("without an FPU: a conversion", 256, None);
 
 /// All of them, in the order in which the program measures.
-pub const PARTS: [Part; 21] = [
+pub const PARTS: [Part; 26] = [
     NOTHING,
     AXES_BELOW,
     AXES_ABOVE,
@@ -110,6 +148,11 @@ pub const PARTS: [Part; 21] = [
     SWAP,
     REFIT,
     WORST_REFIT,
+    NOISE,
+    STARTS,
+    WRONG_CHECKSUM,
+    WRONG_SIGNATURE,
+    NESTED,
     SOFT_SUM,
     SOFT_PRODUCT,
     SOFT_QUOTIENT,

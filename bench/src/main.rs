@@ -5,6 +5,8 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
+mod garbage;
+#[cfg(target_os = "none")]
 mod refits;
 #[cfg(target_os = "none")]
 mod sample;
@@ -27,7 +29,7 @@ mod program {
     use reflex_bench::marks::{done, measured, rounds};
     use stm32f4xx_hal as _;
 
-    use crate::{refits, sample, soft_floats, triggers};
+    use crate::{garbage, refits, sample, soft_floats, triggers};
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
@@ -38,6 +40,7 @@ mod program {
         triggers::measure();
         sample::measure();
         refits::measure();
+        garbage::measure();
         soft_floats::measure();
         done();
         loop {

@@ -96,6 +96,22 @@ pub const BOARD: &[Setting] = &[
     .default("5")
     .named("PILOT_TIMEOUT")
     .meaning("Time without a frame of the pilot after which another may command."),
+    Setting::of(
+        ["link", "largest_distance_m"],
+        Kind::Number(within(10.0, 50_000.0)),
+        "m",
+    )
+    .default("10000")
+    .named("LARGEST_DISTANCE")
+    .meaning("Largest distance along an axis of a position or a goal from the local origin."),
+    Setting::of(
+        ["link", "place_jump_m"],
+        Kind::Number(within(0.2, 100.0)),
+        "m",
+    )
+    .default("3")
+    .named("PLACE_JUMP")
+    .meaning("Distance of a position from where motion leads above which it has jumped."),
     Setting::of(["link", "wired"], Kind::Flag, "")
         .default("true")
         .named("LINK_WIRED")

@@ -16,16 +16,15 @@
 
 use crate::config::{DESCENT_SPEED, SETPOINT_TIMEOUT};
 use crate::control::{Goal, Setpoint};
+use crate::estimate::{Followed, Track};
 use crate::graph::ControlLogic;
+use crate::link::ExternalPose;
 use crate::math::Vec3;
-use crate::time::{Duration, Instant, micros, seconds, span};
+use crate::time::{Instant, seconds, span};
 use crate::units::Velocity;
 
 /// Time (s) over which the turning of desired attitudes is averaged: a step of the stick is no flip.
 const AVERAGED: f32 = 0.25;
-
-/// Places further apart are not of one movement: the later one begins anew.
-const LONGEST_BETWEEN_PLACES: Duration = micros(500_000);
 
 /// What is flown: a setpoint or a goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,8 +54,8 @@ pub(super) struct Demand {
     newest: Option<Instant>,
     /// How fast setpoints turn, in rad/s.
     turning: f32,
-    /// When the newest place came.
-    placed_at: Option<Instant>,
+    /// Places as they came.
+    places: Track,
     /// When the goal of a descent last sank.
     sank_at: Option<Instant>,
 }
@@ -88,13 +87,18 @@ impl Demand {
         self.turning = 0.0;
     }
 
-    /// Takes a place; the time since the one before in s, 0 where that is long ago.
-    pub(super) fn take_place(&mut self, at: Instant) -> f32 {
-        self.placed_at
-            .replace(at)
-            .map(|before| span(before, at))
-            .filter(|since| *since <= LONGEST_BETWEEN_PLACES)
-            .map_or(0.0, seconds)
+    /// Takes the place of a pose.
+    pub(super) fn take_place(&mut self, at: Instant, pose: &ExternalPose) -> Followed {
+        let resets = pose.reset_counter;
+        self.places.take(at, pose.position, pose.velocity, resets)
+    }
+
+    /// A goal of the peer, whose frame may have moved, in the drone's.
+    pub(super) fn tracked(&self, goal: Goal) -> Goal {
+        Goal {
+            position: self.places.tracked(goal.position),
+            ..goal
+        }
     }
 
     /// The next demand is the first again.
@@ -111,8 +115,7 @@ impl Demand {
 
     /// True while places come.
     pub(super) fn knows_place(&self, now: Instant) -> bool {
-        self.placed_at
-            .is_some_and(|at| span(at, now) <= SETPOINT_TIMEOUT)
+        self.places.is_fresh(now)
     }
 
     /// The goal of a descent, which sinks as time passes.

@@ -48,6 +48,8 @@ numbered! {
         ImuLine,
         /// The inertial sensor's interrupt line told of a sample sooner than one can come.
         ImuEdge,
+        /// A position was further from where motion leads than can be: not used.
+        PlaceJump,
     }
 }
 

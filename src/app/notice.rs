@@ -50,6 +50,13 @@ pub(super) const fn battery(state: BatteryState) -> Notice {
     Notice::new(severity, "battery", why)
 }
 
+/// The source of places moved its frame.
+pub(super) const PLACE_RESET: Notice =
+    Notice::new(Severity::Info, "places reset", "the goal moves along");
+
+/// A place was left out, and the ones like it may follow.
+pub(super) const PLACE_JUMPED: Notice = Notice::new(Severity::Warning, "place jumped", "not used");
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -64,7 +71,7 @@ mod tests {
         let all = flights
             .chain(Check::ALL.map(not_armed))
             .chain(silences)
-            .chain([NOT_DISARMED]);
+            .chain([NOT_DISARMED, PLACE_RESET, PLACE_JUMPED]);
         for notice in all {
             let line: Vec<u8> = notice.line().collect();
             assert!(

@@ -63,6 +63,8 @@ pub enum Event {
     Fault(Fault, u32),
     /// Something that the drone is flown by stopped.
     Silent(Silence),
+    /// The source of places moved its frame: places and goals are moved back into the drone's.
+    PlaceReset,
 }
 
 /// How often control ran, by reason.

@@ -4,7 +4,7 @@ use super::counters::{LinkCounters, count, count_many};
 use super::decode::{Decoded, decode};
 use super::framing::RawFrame;
 use super::peers::{Peer, Sequences};
-use super::roles::Role;
+use super::roles::{Role, Seldom};
 use super::signing::{Doubt, Signing, SigningKey};
 use super::{Answer, COMPONENT, Message, SYSTEM};
 use crate::time::Instant;
@@ -46,6 +46,7 @@ pub(super) struct Admission {
     pilot: Role,
     /// Who says where the drone is.
     tracker: Role,
+    keys: Seldom,
 }
 
 impl Admission {
@@ -55,6 +56,7 @@ impl Admission {
             signing: Signing::new(),
             pilot: Role::FREE,
             tracker: Role::FREE,
+            keys: Seldom::NEVER,
         }
     }
 
@@ -71,33 +73,37 @@ impl Admission {
             count(&mut counters.not_for_us);
             return None;
         }
-        if let Err(doubt) = self.signing.check(at, frame) {
-            count(match doubt {
-                Doubt::Unsigned => &mut counters.unsigned,
-                Doubt::OldStamp | Doubt::NoRoom => &mut counters.old_stamp,
-                Doubt::BadSignature => &mut counters.bad_signature,
-            });
-            return None;
-        }
         let lost = self.sequences.follow(from, frame.sequence);
         count_many(&mut counters.lost_sequence, lost.into());
+        // Before the signature: the hash takes longest.
+        let decoded = decode(frame);
+        let refused = match decoded {
+            Decoded::Empty => Some(&mut counters.bad_length),
+            Decoded::NotForUs => Some(&mut counters.not_for_us),
+            Decoded::Refused => Some(&mut counters.refused_value),
+            _ => None,
+        };
+        if let Some(refused) = refused {
+            count(refused);
+            return None;
+        }
+        let heeded = !self.signing.is_on() || self.is_heeded(at, from, &decoded);
+        if let Err(doubt) = self.signing.check(at, frame, heeded) {
+            match doubt {
+                Doubt::Unsigned => count(&mut counters.unsigned),
+                Doubt::OldStamp | Doubt::NoRoom => count(&mut counters.old_stamp),
+                Doubt::BadSignature => count(&mut counters.bad_signature),
+                Doubt::Unheeded => {}
+            }
+            return None;
+        }
         self.pilot.hear(at, from);
         self.tracker.hear(at, from);
-        match decode(frame) {
-            Decoded::Message(message) if !self.is_allowed(at, from, &message) => {
-                count(&mut counters.not_allowed);
-                message.command().map(|command| Incoming::Refused {
-                    from,
-                    command,
-                    answer: Answer::Denied,
-                })
+        match decoded {
+            Decoded::Message(message) if self.is_allowed(at, from, &message) => {
+                Some(Incoming::Message { from, message })
             }
-            Decoded::Message(message) => Some(Incoming::Message { from, message }),
-            Decoded::Key(_) if !self.pilot.claim(at, from) => {
-                count(&mut counters.not_allowed);
-                None
-            }
-            Decoded::Key(key) => Some(Incoming::Key(key)),
+            Decoded::Key(key) if self.pilot.claim(at, from) => Some(Incoming::Key(key)),
             Decoded::RefusedCommand(command, answer) => {
                 count(&mut counters.refused_value);
                 Some(Incoming::Refused {
@@ -106,18 +112,29 @@ impl Admission {
                     answer,
                 })
             }
-            Decoded::Empty => {
-                count(&mut counters.bad_length);
-                None
+            other => {
+                count(&mut counters.not_allowed);
+                let Decoded::Message(message) = other else {
+                    return None;
+                };
+                message.command().map(|command| Incoming::Refused {
+                    from,
+                    command,
+                    answer: Answer::Denied,
+                })
             }
-            Decoded::NotForUs => {
-                count(&mut counters.not_for_us);
-                None
+        }
+    }
+
+    /// True where a frame may mean something, if its signature is right. What is short and comes
+    /// seldom would else be the dearest flood.
+    fn is_heeded(&mut self, at: Instant, from: Peer, decoded: &Decoded) -> bool {
+        match decoded {
+            Decoded::Message(Message::Heartbeat) => {
+                self.pilot.listens(at, from) | self.tracker.listens(at, from)
             }
-            Decoded::Refused => {
-                count(&mut counters.refused_value);
-                None
-            }
+            Decoded::Key(_) => self.keys.is_due(at),
+            _ => true,
         }
     }
 

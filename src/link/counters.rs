@@ -6,7 +6,7 @@
 pub struct LinkCounters {
     /// Frames of the messages used whose checksum holds, whatever became of them.
     pub frames: u32,
-    /// Starts of frames of the messages used whose checksum does not hold.
+    /// Starts of frames of the messages used whose checksum does not hold, or was not looked at any more.
     pub bad_checksum: u32,
     /// Frames without payload: MAVLink 2 sends at least one byte.
     pub bad_length: u32,

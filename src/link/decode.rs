@@ -20,6 +20,7 @@ use super::{
     ARM_DISARM, Answer, ArmCommand, COMPONENT, Destination, ExternalPose, MOTOR_TEST, Message,
     SYSTEM,
 };
+use crate::config::LARGEST_DISTANCE;
 use crate::control::{MotorTest, Setpoint, Yaw};
 use crate::math::{Quaternion, Vec3, wrapped};
 use crate::settings::MOST_MOTORS;
@@ -35,16 +36,14 @@ use mavlink::{MavlinkVersion, MessageData};
 /// Largest body rate accepted, in rad/s: three times the gyroscope's range.
 const LARGEST_RATE: f32 = 100.0;
 
-/// Largest distance from the local origin accepted, in metres.
-const LARGEST_DISTANCE: f32 = 100_000.0;
-
 /// Largest speed accepted, in m/s.
 const LARGEST_SPEED: f32 = 1000.0;
 
 /// Largest heading accepted, in rad: some senders count from zero to 2 pi.
 const LARGEST_HEADING: f32 = core::f32::consts::TAU;
 
-/// Place of ODOMETRY's field `quality`, an extension that older senders leave out.
+/// Places of ODOMETRY's fields `reset_counter` and `quality`, extensions that older senders leave out.
+const ODOMETRY_RESETS: usize = 230;
 const ODOMETRY_QUALITY: usize = 232;
 
 /// Second parameter of a command to arm or disarm whatever the checks say.
@@ -181,11 +180,12 @@ fn position_target(payload: &[u8]) -> Option<Decoded> {
 ///
 /// `type_mask` must ignore accelerations and yaw rate, and may ignore the three velocities
 /// together, for a place that does not move, and the yaw, for a heading that is kept. Fields
-/// that are ignored may hold anything; a yaw is wrapped to within -pi to pi.
+/// that are ignored may hold anything, and accelerations be called forces; a yaw is wrapped to
+/// within -pi to pi.
 ///
-/// Refused: every other mask (a position or a single velocity left out, accelerations or forces,
+/// Refused: every other mask (a position or a single velocity left out, accelerations,
 /// a yaw rate); `coordinate_frame` other than MAV_FRAME_LOCAL_NED; a position, velocity or yaw
-/// that is not a number or beyond 100 km, 1000 m/s or 2 pi.
+/// that is not a number or beyond [`LARGEST_DISTANCE`], 1000 m/s or 2 pi.
 fn destination(target: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Option<Destination> {
     let always = PositionMask::POSITION_TARGET_TYPEMASK_AX_IGNORE
         | PositionMask::POSITION_TARGET_TYPEMASK_AY_IGNORE
@@ -200,7 +200,9 @@ fn destination(target: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Option<Destinatio
     let mut expected = always;
     expected.set(no_velocity, !moves);
     expected.set(no_yaw, !turns);
-    if target.type_mask != expected || target.coordinate_frame != MavFrame::MAV_FRAME_LOCAL_NED {
+    // Whether what is ignored would be a force or an acceleration says nothing.
+    let mask = target.type_mask - PositionMask::POSITION_TARGET_TYPEMASK_FORCE_SET;
+    if mask != expected || target.coordinate_frame != MavFrame::MAV_FRAME_LOCAL_NED {
         return None;
     }
     let position = Vec3::new(target.x, target.y, target.z);
@@ -295,12 +297,15 @@ fn signing_key(payload: &[u8]) -> Option<Decoded> {
 }
 
 fn odometry(payload: &[u8]) -> Option<Decoded> {
-    let quality = payload.get(ODOMETRY_QUALITY).copied().unwrap_or(0);
-    if i8::from_le_bytes([quality]) < 0 {
+    let extension = |place: usize| payload.get(place).copied().unwrap_or(0);
+    if i8::from_le_bytes([extension(ODOMETRY_QUALITY)]) < 0 {
         return None;
     }
     let odometry = ODOMETRY_DATA::deser(MavlinkVersion::V2, payload).ok()?;
-    Some(Decoded::Message(Message::Pose(pose(&odometry)?)))
+    Some(Decoded::Message(Message::Pose(pose(
+        &odometry,
+        extension(ODOMETRY_RESETS),
+    )?)))
 }
 
 /// The pose in an ODOMETRY; `None` where it is refused.
@@ -312,9 +317,9 @@ fn odometry(payload: &[u8]) -> Option<Decoded> {
 /// says that there is none. Covariances and angular speeds are not used.
 ///
 /// Refused: other frames (the ENU and FLU of ROS among them); a velocity in body axes without
-/// an attitude; a position or velocity that is not a number or beyond 100 km or 1000 m/s; a
+/// an attitude; a position or velocity that is not a number or beyond [`LARGEST_DISTANCE`] or 1000 m/s; a
 /// quaternion that is not of unit length; a `quality` below zero (the estimator has failed).
-fn pose(odometry: &ODOMETRY_DATA) -> Option<ExternalPose> {
+fn pose(odometry: &ODOMETRY_DATA, reset_counter: u8) -> Option<ExternalPose> {
     let attitude = match odometry.q {
         [w, ..] if w.is_nan() => None,
         q => Some(Quaternion::from_array(q)?),
@@ -336,6 +341,7 @@ fn pose(odometry: &ODOMETRY_DATA) -> Option<ExternalPose> {
         position: Position(position),
         velocity: Velocity(velocity),
         attitude,
+        reset_counter,
     })
 }
 

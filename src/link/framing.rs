@@ -8,10 +8,9 @@
 //! Setpoints follow one another, and commands are repeated until they are answered.
 
 use super::peers::Peer;
-use super::signing::SIGNATURE;
 use crate::time::Instant;
 use mavlink::calculate_crc;
-use mavlink::consts::v2::IFLAG_SIGNED;
+use mavlink::consts::v2::{IFLAG_SIGNED, SIGNATURE_SIZE};
 use mavlink::dialects::common::{
     COMMAND_INT_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, ODOMETRY_DATA, SET_ATTITUDE_TARGET_DATA,
     SET_POSITION_TARGET_LOCAL_NED_DATA, SETUP_SIGNING_DATA,
@@ -28,7 +27,7 @@ const OVERHEAD_1: usize = 8;
 const OVERHEAD_2: usize = 12;
 
 /// Longest frame: 255 bytes of payload, signed.
-pub(super) const LONGEST_FRAME: usize = OVERHEAD_2 + 255 + SIGNATURE;
+pub(super) const LONGEST_FRAME: usize = OVERHEAD_2 + 255 + SIGNATURE_SIZE;
 
 /// A frame as it was sent.
 #[derive(Clone, Copy)]
@@ -57,12 +56,14 @@ pub(super) enum Candidate<'a> {
     Garbage,
     /// A start of a frame with flags that change the layout in ways not known here.
     BadFlags,
-    /// A frame of a message used with a wrong checksum.
-    BadChecksum,
+    /// A frame of a message used, of so many bytes, with a wrong checksum.
+    BadChecksum(usize),
+    /// As above, but nothing is left to pay for its checksum.
+    Unpaid(usize),
 }
 
-/// Judges the bytes held so far.
-pub(super) fn examine(held: &[u8]) -> Candidate<'_> {
+/// Judges the bytes held so far, with checksums over so many bytes at most.
+pub(super) fn examine(held: &[u8], paid: usize) -> Candidate<'_> {
     match *held {
         [MAV_STX, length, _, ..] => {
             let total = OVERHEAD_1 + usize::from(length);
@@ -73,9 +74,10 @@ pub(super) fn examine(held: &[u8]) -> Candidate<'_> {
         }
         [MAV_STX_V2, _, flags, ..] if flags & !IFLAG_SIGNED != 0 => Candidate::BadFlags,
         [MAV_STX_V2, length, flags, ..] => {
-            let signature = if flags == 0 { 0 } else { SIGNATURE };
+            let signature = if flags == 0 { 0 } else { SIGNATURE_SIZE };
             let total = OVERHEAD_2 + usize::from(length) + signature;
-            examine_complete(held, length.into(), total).unwrap_or(Candidate::Incomplete(total))
+            examine_complete(held, length.into(), total, paid)
+                .unwrap_or(Candidate::Incomplete(total))
         }
         [] | [MAV_STX | MAV_STX_V2, ..] => Candidate::Incomplete(START),
         _ => Candidate::Garbage,
@@ -83,7 +85,12 @@ pub(super) fn examine(held: &[u8]) -> Candidate<'_> {
 }
 
 /// Judges a MAVLink 2 frame of `total` bytes; `None` where it is not complete.
-fn examine_complete(held: &[u8], length: usize, total: usize) -> Option<Candidate<'_>> {
+fn examine_complete(
+    held: &[u8],
+    length: usize,
+    total: usize,
+    paid: usize,
+) -> Option<Candidate<'_>> {
     let (signed, signature) = held.get(..total)?.split_at_checked(OVERHEAD_2 + length)?;
     let (header, rest) = signed.split_first_chunk::<10>()?;
     let (payload, rest) = rest.split_at_checked(length)?;
@@ -101,11 +108,14 @@ fn examine_complete(held: &[u8], length: usize, total: usize) -> Option<Candidat
     let Some(extra) = checksum_extra(frame.id) else {
         return Some(Candidate::Unknown(frame, total));
     };
+    if total > paid {
+        return Some(Candidate::Unpaid(total));
+    }
     let sums = signed.get(1..header.len() + length)?;
     Some(if calculate_crc(sums, extra) == sent {
         Candidate::Sound(frame, total)
     } else {
-        Candidate::BadChecksum
+        Candidate::BadChecksum(total)
     })
 }
 

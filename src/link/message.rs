@@ -14,6 +14,8 @@ pub struct ExternalPose {
     pub velocity: Velocity,
     /// Attitude, where the sender gives one.
     pub attitude: Option<Quaternion>,
+    /// How often the sender moved its frame, having found out that it was wrong; wraps.
+    pub reset_counter: u8,
 }
 
 /// A place to fly to; as a [`Goal`], but for the heading.

@@ -2,19 +2,27 @@
 
 use super::admission::Admission;
 use super::counters::{LinkCounters, count, count_many};
-use super::framing::{Candidate, Held, examine};
+use super::framing::{Candidate, Held, LONGEST_FRAME, examine};
 use super::signing::Signing;
 use super::{Incoming, PATIENCE};
 use crate::time::{Instant, span};
 
+/// Bytes of checksums for each byte read. A sound line needs one, and pays less than it may.
+const CHECKSUMS: usize = 4;
+
+/// Checksums that may be owed at most: of some of the longest frames.
+const MOST_PAID: usize = CHECKSUMS * LONGEST_FRAME;
+
 /// Reads MAVLink 2 frames from a stream of bytes.
 ///
 /// Holds at most one frame of 280 bytes, and looks at it only where another byte can tell
-/// something new: once it is known to be one, and once it is complete. Should noise fill the
-/// buffer with starts of frames, one byte may cost as many checksums as starts: a few ms at
-/// 168 MHz, once.
+/// something new: once it is known to be one, and once it is complete. Each byte read pays for
+/// checksums over [`CHECKSUMS`] bytes: where starts of frames lie within frames that prove wrong, over
+/// and over, the next is skipped whole.
 pub struct Parser {
     held: Held,
+    /// Bytes that checksums may be computed of before more are read.
+    paid: usize,
     admission: Admission,
     counters: LinkCounters,
 }
@@ -31,6 +39,7 @@ impl Parser {
     pub const fn new() -> Self {
         Self {
             held: Held::new(),
+            paid: MOST_PAID,
             admission: Admission::new(),
             counters: LinkCounters::NONE,
         }
@@ -72,7 +81,7 @@ impl Parser {
     /// Takes the next frame, or the next piece of garbage, off the bytes held.
     fn step(&mut self, at: Instant) -> Step {
         let counters = &mut self.counters;
-        let (length, found) = match examine(self.held.as_slice()) {
+        let (length, found) = match examine(self.held.as_slice(), self.paid) {
             Candidate::Incomplete(wanted) => return Step::Hungry(wanted),
             Candidate::Sound(frame, length) => {
                 (length, self.admission.accept(at, &frame, counters))
@@ -92,13 +101,25 @@ impl Parser {
                 count(&mut counters.bad_flags);
                 return self.resynchronise();
             }
-            Candidate::BadChecksum => {
+            Candidate::BadChecksum(length) => {
                 count(&mut counters.bad_checksum);
+                self.paid = self.paid.saturating_sub(length);
                 return self.resynchronise();
+            }
+            Candidate::Unpaid(length) => {
+                count(&mut counters.bad_checksum);
+                count_many(&mut counters.garbage_bytes, length);
+                (length, None)
             }
         };
         self.held.take(length);
         found.map_or(Step::Nothing, Step::Found)
+    }
+
+    /// Takes note of bytes that were read.
+    fn pay(&mut self, bytes: usize) {
+        let earned = bytes.saturating_mul(CHECKSUMS);
+        self.paid = self.paid.saturating_add(earned).min(MOST_PAID);
     }
 
     fn resynchronise(&mut self) -> Step {
@@ -141,7 +162,9 @@ impl Iterator for Feed<'_> {
                 Step::Nothing => {}
                 Step::Hungry(_) if self.bytes.is_empty() => return None,
                 Step::Hungry(wanted) => {
-                    self.bytes = self.parser.held.fill(self.at, self.bytes, wanted);
+                    let left = self.parser.held.fill(self.at, self.bytes, wanted);
+                    self.parser.pay(self.bytes.len() - left.len());
+                    self.bytes = left;
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! MAVLink 2 signatures: frames that hold no key cannot have made, told from others.
+//! MAVLink 2 signatures: only who has the key is obeyed.
 //!
 //! A signature is the first 6 bytes of SHA-256 over key, frame, link number and a stamp in units of
 //! 10 us. A *stream* is what one component sends over one link: its stamps only grow, so that a frame
@@ -19,6 +19,7 @@ use super::peers::Peer;
 use crate::time::{Instant, span};
 use core::fmt;
 use heapless::LinearMap;
+use mavlink::consts::v2::{SIGNATURE_SIZE, SIGNATURE_VALUE_SIZE};
 use sha2::{Digest, Sha256};
 
 /// Streams whose stamps are kept.
@@ -36,11 +37,11 @@ const LARGEST_STAMP: u64 = (1 << 48) - 1;
 /// Number of the link in frames of ours: a drone has one link.
 const LINK: u8 = 0;
 
-/// Bytes of a signature: link, stamp, hash.
-pub(super) const SIGNATURE: usize = 13;
-
 /// Bytes of the hash that are sent.
-const HASH: usize = 6;
+const HASH: usize = SIGNATURE_VALUE_SIZE;
+
+/// Bytes before it: link and stamp.
+const LINK_AND_STAMP: usize = SIGNATURE_SIZE - HASH;
 
 /// A key, and the stamp from which frames are signed with it: what a restart must not forget.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -85,6 +86,8 @@ pub(super) enum Doubt {
     Unsigned,
     OldStamp,
     NoRoom,
+    /// Nothing would come of it: the hash was not computed.
+    Unheeded,
     BadSignature,
 }
 
@@ -128,6 +131,11 @@ impl Signing {
         self.at = at;
     }
 
+    /// True where there is a key.
+    pub(super) fn is_on(&self) -> bool {
+        self.key.is_some()
+    }
+
     /// The key in force with the stamp of now: to be kept, and [set](Self::set) after a restart.
     #[must_use]
     pub fn key(&self, at: Instant) -> Option<SigningKey> {
@@ -142,13 +150,18 @@ impl Signing {
     /// Judges a frame whose checksum holds; takes note of its stamp where it is believed.
     ///
     /// The hash, which takes longest, comes last.
-    pub(super) fn check(&mut self, at: Instant, frame: &RawFrame<'_>) -> Result<(), Doubt> {
+    pub(super) fn check(
+        &mut self,
+        at: Instant,
+        frame: &RawFrame<'_>,
+        heeded: bool,
+    ) -> Result<(), Doubt> {
         let Some(key) = self.key(at) else {
             return Ok(());
         };
         let (link_and_stamp, hash) = frame
             .signature
-            .split_first_chunk::<{ SIGNATURE - HASH }>()
+            .split_first_chunk::<LINK_AND_STAMP>()
             .ok_or(Doubt::Unsigned)?;
         let [link, a, b, c, d, e, f] = *link_and_stamp;
         let stamp = u64::from_le_bytes([a, b, c, d, e, f, 0, 0]);
@@ -158,6 +171,7 @@ impl Signing {
             Some(last) if stamp <= *last => return Err(Doubt::OldStamp),
             None if stamp.saturating_add(MINUTE) < key.stamp => return Err(Doubt::OldStamp),
             None if self.streams.is_full() => return Err(Doubt::NoRoom),
+            _ if !heeded => return Err(Doubt::Unheeded),
             _ => {}
         }
         // All bytes are compared: the time taken tells nothing about the right ones.
@@ -185,7 +199,7 @@ impl Signing {
         frame.append(&link_and_stamp);
         frame.append(&hash);
         // No stamp is used twice.
-        self.follow(at, key, key.stamp + 1);
+        self.follow(at, key, key.stamp.saturating_add(1));
     }
 
     /// Puts the clock forward.

@@ -92,6 +92,7 @@ impl<'b> Encoder<'b> {
                 self.vector(pose.position.0);
                 self.vector(pose.velocity.0);
                 self.attitude(pose.attitude);
+                self.byte(pose.reset_counter);
             }
             Message::TestMotor(test) => {
                 self.byte(5);
@@ -244,6 +245,7 @@ impl<'b> Decoder<'b> {
                 position: Position(self.vector()?),
                 velocity: Velocity(self.vector()?),
                 attitude: self.attitude()?,
+                reset_counter: self.byte()?,
             }),
             4 => Message::Goal(Destination {
                 position: Position(self.vector()?),

@@ -415,6 +415,7 @@ fn a_silent_pilot_of_goals_leaves_a_goal_that_is_held_then_sinks() {
         position: Position(Vec3::new(0.0, 0.0, -10.0)),
         velocity: Velocity::default(),
         attitude: None,
+        reset_counter: 0,
     });
     let goal = Message::Goal(Destination {
         position: Position(Vec3::new(0.0, 0.0, -10.0)),

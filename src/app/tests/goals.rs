@@ -13,6 +13,7 @@ fn pose(north: f32, heading: Option<f32>) -> Message {
         position: Position(Vec3::new(north, 0.0, -10.0)),
         velocity: Velocity::default(),
         attitude: heading.map(Quaternion::from_heading),
+        reset_counter: 0,
     })
 }
 
@@ -100,6 +101,46 @@ fn a_goal_ahead_leans_every_logic_with_position_loops_forward() {
     a_goal_ahead_leans_forward::<OpenPilot>();
     a_goal_ahead_leans_forward::<ArduCopter>();
     a_goal_ahead_leans_forward::<Cleanflight>();
+}
+
+/// Where the control logic sees itself after a pose so far north, of a source reset so often.
+fn seen_after(rig: &mut Rig<OpenPilot>, north: f32, resets: u8) -> f32 {
+    let Message::Pose(mut told) = pose(north, None) else {
+        return f32::NAN;
+    };
+    told.reset_counter = resets;
+    rig.milliseconds(20, gusty);
+    rig.tell(&Message::Pose(told));
+    rig.autopilot.graph.place().position.0.x
+}
+
+#[test]
+fn a_source_that_was_reset_moves_neither_the_place_nor_the_goal() {
+    let mut rig = under_way(OpenPilot::default());
+    rig.told_of(Event::PlaceReset);
+    assert_eq!(seen_after(&mut rig, 8.0, 1), 0.0);
+    assert_eq!(rig.told_of(Event::PlaceReset), 1);
+    assert_eq!(rig.goal().map(|goal| goal.position.0.x), Some(5.0));
+    assert_eq!(seen_after(&mut rig, 8.1, 1), 8.1 - 8.0);
+    // What comes from now on is meant in the frame that moved.
+    rig.tell(&goal(14.0));
+    assert_eq!(rig.goal().map(|goal| goal.position.0.x), Some(6.0));
+    assert_eq!(rig.autopilot.faults(Fault::PlaceJump), 0);
+}
+
+#[test]
+fn a_place_that_jumps_is_not_used_counted_and_told() {
+    let mut rig = under_way(OpenPilot::default());
+    assert_eq!(seen_after(&mut rig, 8.0, 0), 0.0);
+    assert_eq!(seen_after(&mut rig, 0.1, 0), 0.1);
+    assert_eq!(seen_after(&mut rig, 90.0, 0), 0.1);
+    assert_eq!(rig.autopilot.faults(Fault::PlaceJump), 2);
+    let lost = rig.watched(
+        timeout() + 200,
+        &[pose(8.0, None)],
+        Event::Silent(Silence::Place),
+    );
+    assert_eq!(lost, 1, "as if no places came");
 }
 
 #[test]

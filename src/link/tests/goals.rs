@@ -8,6 +8,7 @@ use core::f32::consts::PI;
 /// What every position target must ignore: accelerations and the yaw rate.
 const ALWAYS: u16 = 64 | 128 | 256 | 2048;
 const NO_VELOCITY: u16 = 8 | 16 | 32;
+const FORCE: u16 = 512;
 const NO_YAW: u16 = 1024;
 
 fn masked(mask: u16) -> SET_POSITION_TARGET_LOCAL_NED_DATA {
@@ -49,12 +50,16 @@ fn an_ignored_yaw_leaves_the_heading_open() {
 }
 
 #[test]
-fn of_all_masks_four_are_taken() {
+fn of_all_masks_four_are_taken_with_forces_or_accelerations_ignored() {
     let taken: Vec<u16> = (0..=u16::MAX)
         .filter(|mask| destination_of(&masked(*mask)).is_some())
         .collect();
     let [low, high] = [ALWAYS | NO_VELOCITY, ALWAYS | NO_YAW];
-    assert_eq!(taken, [ALWAYS, low, high, low | high]);
+    let four = [ALWAYS, low, high, low | high];
+    let mut expected = [four, four.map(|mask| mask | FORCE)].concat();
+    expected.sort();
+    assert_eq!(taken, expected);
+    assert!(taken.contains(&0xFF8), "as clients send a place alone");
 }
 
 #[test]

@@ -96,6 +96,20 @@ fn starts_of_frames_without_end_are_survived() {
 }
 
 #[test]
+fn a_frame_behind_a_flood_of_frames_within_frames_is_read_once_they_have_passed() {
+    let mut parser = Parser::new();
+    let header = [0xFD, 255, 1, 0, 0, 255, 190, 0x4B, 1, 0];
+    for _ in 0..1000 {
+        assert_eq!(parser.feed(NOW, &header).count(), 0);
+    }
+    let counters = parser.counters();
+    // Each header is a start, but not each is worth a checksum.
+    assert!((20..400).contains(&counters.bad_checksum), "{counters:?}");
+    let bytes = [&[0; 300][..], &frame(0, &arm_command(1.0))].concat();
+    assert_eq!(parser.feed(NOW, &bytes).count(), 1);
+}
+
+#[test]
 fn every_byte_is_accounted_for() {
     let bytes = [
         &[1, 2, 3][..],

@@ -1,4 +1,4 @@
-//! Which signed frames are believed. The interplay with other programs is in `tests/signing.rs`.
+//! Which signed frames are believed; for other programs see `tests/signing.rs`.
 
 use super::*;
 use crate::time::micros;
@@ -78,7 +78,7 @@ fn any_bit_altered_does_nothing() {
         let counters = parser.counters();
         let of_checksum = (end - 2..end).contains(&byte);
         assert_eq!(counters.bad_checksum, u32::from(of_checksum), "bit {bit}");
-        let refused = counters.bad_signature + counters.old_stamp;
+        let refused = counters.bad_signature + counters.old_stamp + counters.not_for_us;
         assert_eq!(refused, u32::from(!of_checksum), "bit {bit}");
     }
     assert!(obeys(&mut with_key(), NOW, &good));
@@ -149,6 +149,27 @@ fn the_same_key_again_forgets_nothing_another_one_does_and_none_ends_it() {
         .set(NOW, SigningKey::new([0; 32], 0).expect("48 bits"));
     assert_eq!(parser.signing().key(NOW), None);
     assert!(obeys(&mut parser, NOW, &frame(0, &arm_command(1.0))));
+}
+
+#[test]
+fn heartbeats_are_looked_at_a_few_times_a_second_and_keep_the_pilot() {
+    let mut parser = with_key();
+    assert!(obeys(&mut parser, NOW, &arm(0, STAMP)));
+    let beat = |stamp| {
+        let beat = frame(0, &HEARTBEAT_DATA::DEFAULT);
+        signed(beat, 0, stamp, HEARTBEAT_DATA::EXTRA_CRC)
+    };
+    let mut obeyed = 0;
+    for tenth in 1..=100 {
+        let at = NOW + micros(100_000 * tenth);
+        obeyed += u32::from(obeys(&mut parser, at, &beat(STAMP + tenth)));
+    }
+    assert_eq!(obeyed, 50);
+    let mut other = frame(0, &arm_command(1.0));
+    other[5] = 254;
+    let other = signed(other, 0, STAMP, COMMAND_LONG_DATA::EXTRA_CRC);
+    let found: Vec<Incoming> = parser.feed(NOW + micros(10_000_000), &other).collect();
+    assert!(matches!(found[..], [Incoming::Refused { .. }]), "{found:?}");
 }
 
 #[test]

@@ -324,6 +324,7 @@ fn odometry_in_the_local_frame_is_taken_as_it_is() {
             position: Position(Vec3::new(1.0, -2.0, -3.0)),
             velocity: Velocity(Vec3::new(4.0, 0.5, 0.25)),
             attitude: Quaternion::from_array(odometry().q),
+            reset_counter: 0,
         };
         assert_eq!(pose, Some(expected));
     }
@@ -343,6 +344,29 @@ fn odometry_with_velocity_in_body_axes_is_turned_by_its_attitude() {
         ..body
     };
     assert_eq!(pose_of(&no_attitude), None);
+}
+
+#[test]
+fn odometry_counts_its_resets_and_has_limits_of_distance() {
+    let far = |x| pose_of(&ODOMETRY_DATA { x, ..odometry() });
+    assert!(far(crate::config::LARGEST_DISTANCE).is_some());
+    assert_eq!(far(90_000.0), None);
+    let mut bytes = frame(0, &odometry());
+    bytes.truncate(10 + 230);
+    bytes.extend([9, 0, 0, 0, 0]);
+    bytes[1] = 233;
+    seal(&mut bytes, ODOMETRY_DATA::EXTRA_CRC);
+    let (found, _) = read(&bytes);
+    let [
+        Incoming::Message {
+            message: Message::Pose(pose),
+            ..
+        },
+    ] = found[..]
+    else {
+        panic!("{found:?}");
+    };
+    assert_eq!(pose.reset_counter, 9);
 }
 
 #[test]
