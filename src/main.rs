@@ -21,7 +21,6 @@
 //! | `idle` | - | 0 | - | `autopilot` | models are refitted and events logged later |
 //!
 //! Spare vectors raise tasks by software; a pend, unlike a spawn, is not lost while the task runs.
-//!
 //! `autopilot` is locked at priority 4 at most: control holds up neither stamps nor bursts. The log
 //! does, by microseconds: idle formats a line with interrupts masked.
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -132,8 +131,7 @@ mod app {
         (shared, local)
     }
 
-    /// Makes the autopilot in a frame of its own: the 4 KiB of stack that this takes do not add to
-    /// those of the board's start.
+    /// In a frame of its own: the 4 KiB of stack do not add to those of the board's start.
     #[inline(never)]
     fn pilot(board: &Started, calls: &'static mut CallRing) -> &'static mut Pilot {
         let pilot = singleton!(: Pilot = Autopilot::new(&board.start, &board.mixer, calls));
@@ -152,9 +150,8 @@ mod app {
     /// Hears the line again after one that came too soon; starts a burst for one that stays away.
     #[task(binds = TIM2, priority = 6, shared = [imu_line, imu_bus])]
     fn imu_due(mut cx: imu_due::Context) {
-        if let Some(edge) = cx.shared.imu_line.on_timer() {
-            cx.shared.imu_bus.lock(|bus| bus.on_edge(edge));
-        }
+        let edge = cx.shared.imu_line.on_timer();
+        (cx.shared.imu_bus).lock(|bus| edge.map(|edge| bus.on_edge(edge)));
     }
 
     /// The LSM303AGR's accelerometer interrupts.
@@ -171,8 +168,7 @@ mod app {
 
     /// Stamps the interrupt of a sensor with a clock of its own and asks for its sample.
     fn announced((input, line): &mut ChipLine, fetches: impl Mutex<T = Fetches>) {
-        let at = line.heard();
-        owner::announced(&mut Vectors, &mut Guarded(fetches), *input, at);
+        owner::announced(&mut Vectors, &mut Guarded(fetches), *input, line.heard());
     }
 
     /// One step of a burst.

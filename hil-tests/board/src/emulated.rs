@@ -12,7 +12,8 @@
 //! |---|---|
 //! | `part` | the processor: the emulator's part with our models in place |
 //! | `exti`, `syscfg`, `pwm_timer` | the models that the emulator lacks or plays too dearly |
-//! | `i2c`, `open_drain`, `dma` | the inertial sensor's bus, with what can go wrong on it |
+//! | `i2c`, `open_drain`, `dma` | the inertial sensor's bus |
+//! | `bus_fault` | what a script has go wrong there and on interrupt lines |
 //! | `sensors`, `link` | the chips and the ground station on the buses |
 //! | `reflex_f427` | crystal, buses, lines and motors of the reference board |
 //! | `wiring` | whether the firmware uses the pins and buffers that are wired |
@@ -24,6 +25,7 @@
 //! stacking time), DMA arbitration, noise on lines, the pins' analogue side.
 
 mod batch;
+mod bus_fault;
 mod dma;
 mod exti;
 mod health;
@@ -44,6 +46,7 @@ mod tests;
 mod thumb;
 mod wiring;
 
+pub use bus_fault::{BusFault, Disturbance};
 pub use reflex_f427::SensorLine;
 pub use sensors::Sensors;
 
@@ -60,11 +63,11 @@ use rigless::session::Session;
 use rigless::time::VirtualNanos;
 
 use self::batch::{Batch, Command, Message};
+use self::bus_fault::Script;
 use self::link::Link;
 use self::meter::SharedMeter;
 use self::part::{Part, Rig};
 use self::run_loop::RunLoop;
-use super::bus_fault::Script;
 use super::log::LogDecoder;
 use super::{Board, Elf, Fault, FaultKind, Load, Observer, Options, Outcome};
 

@@ -9,7 +9,6 @@
 //! runs of an emulated board with the same inputs report the same bytes at the
 //! same instants.
 
-pub mod bus_fault;
 pub mod elf;
 pub mod emulated;
 pub mod fault;
@@ -21,9 +20,8 @@ pub mod tally;
 
 use std::num::NonZeroU64;
 
-pub use bus_fault::{BusFault, Disturbance};
 pub use elf::{Code, Elf};
-pub use emulated::SensorLine;
+pub use emulated::{BusFault, Disturbance, SensorLine};
 pub use fault::{Fault, FaultKind};
 pub use log::LogLine;
 pub use motors::{MOTORS, MotorWrite};

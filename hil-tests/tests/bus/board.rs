@@ -1,4 +1,4 @@
-//! The unmodified firmware at rest on the emulated board, whose sensors' wires are disturbed.
+//! The unmodified firmware at rest, on a board whose sensors' wires are disturbed.
 
 use std::sync::{Arc, LazyLock, Mutex};
 

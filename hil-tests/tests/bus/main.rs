@@ -1,4 +1,4 @@
-//! The inertial sensor's bus and interrupt line go wrong: noticed within, and back within.
+//! The inertial sensor's bus and line go wrong: noticed within, back within.
 //!
 //! The unmodified firmware runs at rest on the emulated board. `cargo test` with `--nocapture` prints
 //! the figures.

@@ -10,6 +10,7 @@
 mod blocking;
 mod engine;
 
+use reflex_drivers::Error;
 use reflex_drivers::bus_recovery::{Recovery, recover};
 use stm32f4xx_hal::gpio::{Alternate, OpenDrain, PB8, PB9, PinState};
 use stm32f4xx_hal::{pac, rcc, rcc::Enable, rcc::Reset};
@@ -25,6 +26,9 @@ const PCLK_MHZ: u8 = 42;
 const CLOCK_DIVIDER: u16 = 35;
 /// Longest rise time, 300 ns, in periods of the APB1 clock, plus one.
 const RISE_TIME: u8 = 13;
+
+/// What a repair of a chip on the bus came to.
+pub type Repaired = Result<(), Error<BusError>>;
 
 /// The peripheral with its two pins.
 pub struct Bus {

@@ -8,7 +8,7 @@ use reflex_drivers::Error;
 use reflex_drivers::legacy_hal::Lent;
 use reflex_drivers::mpu6050::{ADDRESS, Difference, Mpu6050};
 
-use super::i2c::{Bus, BusError};
+use super::i2c::{Bus, BusError, Repaired};
 use crate::board::clock::{Delay, sleep};
 
 /// Wakes the chip and configures it, for the first time; 100 ms of that is the crate's wait.
@@ -33,9 +33,6 @@ pub fn start(bus: &mut Bus) {
         defmt::error!("MPU6050 is not configured ({}): it is tried again", error);
     }
 }
-
-/// What a repair came to.
-pub type Repaired = Result<(), Error<BusError>>;
 
 /// Frees the bus and configures the chip anew, in under 5 ms where it need not be reset before; says
 /// what is still wrong.

@@ -13,8 +13,8 @@ use rigless::soc::stm32f427::peripherals::dma::{Dma, STREAMS};
 use rigless::soc::{Layout, RegisterSpec};
 use rigless::time::{EventId, VirtualNanos};
 
+use super::bus_fault::{Disturbance, Script};
 use super::reflex_f427::{IMU_BUS, IMU_STREAM};
-use crate::bus_fault::{Disturbance, Script};
 
 /// What a stream needs to stop, in ns.
 const STOPS_AFTER_NS: u64 = 60;
@@ -157,10 +157,11 @@ impl Device for SlowDma {
             Device::on_request(&mut self.controller, change, registers, context);
             self.note(registers);
         }
-        for stream in 0..STREAMS {
-            if self.stopping[stream].take_if(|due| *due == event).is_some() {
-                let value = registers.get(CONTROLS[stream]);
-                self.control(stream, s0cr::EN.set(value, 0), registers, context);
+        for (stream, register) in CONTROLS.into_iter().enumerate() {
+            let due = self.stopping[stream].take_if(|due| *due == event);
+            if due.is_some() {
+                let off = s0cr::EN.set(registers.get(register), 0);
+                self.control(stream, off, registers, context);
             }
         }
     }

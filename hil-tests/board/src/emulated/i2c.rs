@@ -3,7 +3,7 @@
 //! RM0090 chapter 27, in master mode with 7-bit addresses. Beside what the emulator's own model does:
 //! a START, a repeated START and a STOP take their time on the wire, and their request bits stay set
 //! until then; LAST has the byte before the end of the DMA refused; BERR and ARLO, a held SDA or SCL
-//! and a stretched clock are played from a [`Script`](crate::bus_fault::Script). A write of CR1 while
+//! and a stretched clock are played from a [`Script`](super::bus_fault::Script). A write of CR1 while
 //! a request is pending, which 27.6.1 forbids, is told to the run.
 //!
 //! Times on the wire follow from CCR: a START holds for the high half of a clock, a repeated START and
@@ -22,7 +22,7 @@ use rigless::soc::FieldSpec;
 use rigless::soc::stm32f427::generated::i2c3::{Register, ccr, cr1, cr2, sr1, sr2};
 use rigless::time::{EventId, VirtualNanos};
 
-use crate::bus_fault::Disturbance;
+use super::bus_fault::Disturbance;
 
 /// Places of the event and the error interrupt in the instance's table.
 const EVENT: usize = 0;

@@ -1,4 +1,4 @@
-//! The port of the inertial sensor's bus: its two pins are wires that others hold low as well.
+//! The port of the inertial sensor's bus: two wires that others pull low as well.
 //!
 //! Everything else of the port is the emulator's. The pins drive the wires only while they are
 //! outputs; handed to the peripheral, they are let go.

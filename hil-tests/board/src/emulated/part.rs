@@ -20,6 +20,7 @@ use rigless::time::VirtualNanos;
 use std::num::{NonZeroU32, NonZeroU64};
 use std::sync::Arc;
 
+use super::bus_fault::Script;
 use super::dma::SlowDma;
 use super::exti::Exti;
 use super::i2c::{I2c, SharedWires};
@@ -34,7 +35,6 @@ use super::reflex_f427::{
 };
 use super::sensors::Sensors;
 use super::syscfg::Syscfg;
-use crate::bus_fault::Script;
 use crate::{Edge, SensorLine};
 
 /// Supply of the processor, in mV.

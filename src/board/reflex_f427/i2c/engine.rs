@@ -20,8 +20,7 @@ use stm32f4xx_hal::dma::traits::{Channel, Stream, StreamISR};
 use stm32f4xx_hal::dma::{ChannelX, DmaDirection, Stream0, config::Priority};
 use stm32f4xx_hal::pac::{self, Interrupt};
 
-use super::super::imu::Repaired;
-use super::Bus;
+use super::{Bus, Repaired};
 
 /// Event interrupts of one transaction before it counts as hung, spurious errors among them; four
 /// are expected, and a START that waits for its turn on the bus repeats the one before it for some

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use chip_models::I2cChip;
 
-use crate::bus_fault::{Disturbance, Script};
+use crate::emulated::bus_fault::{Disturbance, Script};
 
 /// Bits of a byte, without the acknowledge bit.
 const BITS: u8 = 8;

@@ -1,4 +1,4 @@
-//! The inertial sensor's bus, driven register by register, with all that can go wrong on it.
+//! The inertial sensor's bus, register by register, and what can go wrong on it.
 
 use std::sync::{Arc, Mutex};
 
@@ -8,7 +8,7 @@ use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
 use super::{Pulse, sensors};
-use crate::bus_fault::{BusFault, Disturbance, Script};
+use crate::emulated::bus_fault::{BusFault, Disturbance, Script};
 use crate::emulated::link::Link;
 use crate::emulated::part::Part;
 

@@ -6,7 +6,7 @@ use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
 use super::{Pulse, sensors};
-use crate::bus_fault::Script;
+use crate::emulated::bus_fault::Script;
 use crate::emulated::link::Link;
 use crate::emulated::part::Part;
 use crate::emulated::wiring;

@@ -3,7 +3,7 @@
 //! A [`BusFault`] disturbs one thing from an instant until another. The models ask a [`Script`] of
 //! them what holds now, so a run with the same script is the same run.
 
-use crate::SensorLine;
+use super::reflex_f427::SensorLine;
 
 /// One disturbance, and when.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,7 +70,7 @@ impl BusFault {
 
 /// All disturbances of a run.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Script(Vec<BusFault>);
+pub(super) struct Script(Vec<BusFault>);
 
 impl From<&[BusFault]> for Script {
     fn from(faults: &[BusFault]) -> Self {
@@ -79,12 +79,12 @@ impl From<&[BusFault]> for Script {
 }
 
 impl Script {
-    pub(crate) fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
     /// Every instant at which something begins or ends.
-    pub(crate) fn changes(&self) -> impl Iterator<Item = u64> {
+    pub(super) fn changes(&self) -> impl Iterator<Item = u64> {
         let ends = self
             .0
             .iter()
@@ -93,12 +93,12 @@ impl Script {
     }
 
     /// Whether such a disturbance holds now.
-    pub(crate) fn has(&self, what: Disturbance, at_ns: u64) -> bool {
+    pub(super) fn has(&self, what: Disturbance, at_ns: u64) -> bool {
         self.now(at_ns).any(|held| held == what)
     }
 
     /// How late the DMA is now, in ns.
-    pub(crate) fn dma_delay(&self, at_ns: u64) -> Option<u64> {
+    pub(super) fn dma_delay(&self, at_ns: u64) -> Option<u64> {
         self.now(at_ns).find_map(|what| match what {
             Disturbance::DmaLate { by_ns } => Some(by_ns),
             _ => None,
@@ -106,7 +106,7 @@ impl Script {
     }
 
     /// Clocks that a chip needs which lost count at this instant.
-    pub(crate) fn lost_count(&self, at_ns: u64) -> Option<u8> {
+    pub(super) fn lost_count(&self, at_ns: u64) -> Option<u8> {
         let mut begun = self.0.iter().filter(|fault| fault.from_ns == at_ns);
         begun.find_map(|fault| match fault.what {
             Disturbance::DataHeldByChip { clocks } => Some(clocks),
@@ -115,7 +115,7 @@ impl Script {
     }
 
     /// When something on the bus that takes so long is over; never where the clock is held for ever.
-    pub(crate) fn end_of(&self, from_ns: u64, duration_ns: u64) -> Option<u64> {
+    pub(super) fn end_of(&self, from_ns: u64, duration_ns: u64) -> Option<u64> {
         let (mut now, mut left) = (from_ns, duration_ns);
         loop {
             let percent = self.slowness(now);
@@ -143,7 +143,7 @@ impl Script {
     }
 
     /// The level of an interrupt line whose chip drives it so, and when it changes by the script.
-    pub(crate) fn line(&self, line: SensorLine, driven: bool, at_ns: u64) -> (bool, u64) {
+    pub(super) fn line(&self, line: SensorLine, driven: bool, at_ns: u64) -> (bool, u64) {
         let (mut level, mut next_ns) = (driven, u64::MAX);
         for fault in &self.0 {
             match fault.what {
