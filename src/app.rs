@@ -391,6 +391,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             Message::Heartbeat => {}
             Message::Setpoint(setpoint) => self.on_setpoint(at, setpoint),
             Message::Arm(arm) => return self.on_arm(at, arm),
+            Message::TestMotor(test) => return self.on_motor_test(at, test),
             Message::Pose(pose) => self.on_pose(at, pose),
             Message::Goal(destination) => self.on_goal(at, destination),
         }

@@ -55,6 +55,9 @@ pub const COMPONENT: u8 = 1;
 /// Number of the command that arms and disarms (MAV_CMD_COMPONENT_ARM_DISARM).
 pub const ARM_DISARM: u16 = MavCmd::MAV_CMD_COMPONENT_ARM_DISARM as u16;
 
+/// Number of the command that turns one motor (MAV_CMD_DO_MOTOR_TEST).
+pub const MOTOR_TEST: u16 = MavCmd::MAV_CMD_DO_MOTOR_TEST as u16;
+
 /// How long a frame may take to arrive.
 ///
 /// The longest takes 6 ms at 460800 baud; radios and USB adapters add gaps of tens of ms.

@@ -11,6 +11,8 @@ pub use motor_gate::{MotorGate, MotorOutput};
 pub use watch::Seen;
 
 use crate::airframe::MotorShares;
+use crate::config::MOTOR_TEST_TIME;
+use crate::control::MotorTest;
 use crate::time::Instant;
 use crate::units::Thrust;
 use watch::Watch;
@@ -21,6 +23,7 @@ pub struct Safety {
     state: FlightState,
     gate: MotorGate,
     watch: Watch,
+    test: Option<MotorTest>,
 }
 
 /// What the gate made of a command.
@@ -42,6 +45,7 @@ impl Safety {
             state: FlightState::Calibrating,
             gate: MotorGate::new(motors),
             watch: Watch::default(),
+            test: None,
         }
     }
 
@@ -81,6 +85,12 @@ impl Safety {
         Ok(differs.then_some(state))
     }
 
+    /// A motor of the airframe is to be tested: what [`FlightState::Testing`] turns.
+    pub fn plan_test(&mut self, now: Instant, test: &MotorTest) {
+        self.test = Some(*test);
+        self.watch.begin_test(now, test.length.min(MOTOR_TEST_TIME));
+    }
+
     /// What a run sees; an event where it ends the state.
     pub fn watch(&mut self, seen: &Seen) -> Option<FlightEvent> {
         self.watch.take(self.state, seen)
@@ -89,8 +99,12 @@ impl Safety {
     /// Lets a command pass, as the state allows.
     pub fn pass(&mut self, command: &MotorShares) -> Passed {
         let before = *self.gate.applied();
+        let tested = self.test.filter(|_| self.state == FlightState::Testing);
         Passed {
-            output: self.gate.pass(self.is_armed(), command),
+            output: match &tested {
+                Some(test) => self.gate.test(test),
+                None => self.gate.pass(self.is_armed(), command),
+            },
             before,
             refused: self.gate.refused_in_a_row(),
         }

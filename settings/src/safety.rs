@@ -36,6 +36,14 @@ pub const SAFETY: &[Setting] = &[
         .meaning(
             "Most by which the specific force may differ from gravity where motors are armed.",
         ),
+    number("motor_test", "most_share", [0.0, 0.5], "")
+        .default("0.15")
+        .named("MOTOR_TEST_SHARE")
+        .meaning("Largest command of a motor that is tested, as a share of full scale."),
+    span("motor_test", "longest_s", 0.1, 10.0)
+        .default("3")
+        .named("MOTOR_TEST_TIME")
+        .meaning("Longest time for which a motor is tested."),
     number("ground", "idle_thrust", [0.0, 0.5], "")
         .default("0.15")
         .named("IDLE_THRUST")

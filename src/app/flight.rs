@@ -3,7 +3,7 @@
 use super::demand::{Aim, Silence};
 use super::{Autopilot, Event, Next, Reason, Recorder, notice};
 use crate::config::{ARMING_GRAVITY_ERROR, ARMING_RATE, ARMING_THRUST, ARMING_TILT};
-use crate::control::{Goal, Setpoint};
+use crate::control::{Goal, MotorTest, Setpoint};
 use crate::graph::ControlLogic;
 use crate::link::{Answer, ArmCommand};
 use crate::math::sin_cos;
@@ -36,6 +36,29 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             Next::Hyperperiod
         };
         (next, Some(answer))
+    }
+
+    /// One motor turns, while the drone is disarmed; a next test takes the place of one under way.
+    pub(super) fn on_motor_test(
+        &mut self,
+        at: Instant,
+        test: &MotorTest,
+    ) -> (Next, Option<Answer>) {
+        let known = usize::from(test.motor) < self.safety.applied().len();
+        let stands = matches!(
+            self.safety.state(),
+            FlightState::Disarmed | FlightState::Testing
+        );
+        let answer = match (known, stands) {
+            (false, _) => Answer::Denied,
+            (_, false) => Answer::TemporarilyRejected,
+            _ => {
+                self.move_state(FlightEvent::TestMotor, at);
+                self.safety.plan_test(at, test);
+                Answer::Accepted
+            }
+        };
+        (Next::Wait, Some(answer))
     }
 
     #[cold]
@@ -77,6 +100,10 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             .and(Check::Tilt, down.z >= sin_cos(ARMING_TILT.to_radians()).1)
             .and(Check::Setpoint, flies)
             .and(Check::Thrust, goal || thrust <= ARMING_THRUST)
+            .and(
+                Check::MotorTest,
+                self.safety.state() != FlightState::Testing,
+            )
             .and(Check::Models, self.reactive.are_models_sane())
             .and(Check::Load, self.record.are_runs_in_time(now))
     }
@@ -127,7 +154,10 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             FlightState::Disarmed => self.stand(now),
             FlightState::Armed => self.move_phase(PhaseEvent::Armed),
             FlightState::Descending => self.descend(now),
-            FlightState::Flying | FlightState::Waiting | FlightState::Blind => {}
+            FlightState::Testing
+            | FlightState::Flying
+            | FlightState::Waiting
+            | FlightState::Blind => {}
         }
     }
 

@@ -6,7 +6,7 @@ use super::framing::RawFrame;
 use super::peers::{Peer, Sequences};
 use super::roles::Role;
 use super::signing::{Doubt, Signing, SigningKey};
-use super::{ARM_DISARM, Answer, COMPONENT, Message, SYSTEM};
+use super::{Answer, COMPONENT, Message, SYSTEM};
 use crate::time::Instant;
 
 /// The drone itself.
@@ -86,10 +86,9 @@ impl Admission {
         match decode(frame) {
             Decoded::Message(message) if !self.is_allowed(at, from, &message) => {
                 count(&mut counters.not_allowed);
-                let is_command = matches!(message, Message::Arm(_));
-                is_command.then_some(Incoming::Refused {
+                message.command().map(|command| Incoming::Refused {
                     from,
-                    command: ARM_DISARM,
+                    command,
                     answer: Answer::Denied,
                 })
             }
@@ -126,7 +125,9 @@ impl Admission {
     fn is_allowed(&mut self, at: Instant, from: Peer, message: &Message) -> bool {
         match message {
             Message::Heartbeat => true,
-            Message::Setpoint(_) | Message::Goal(_) | Message::Arm(_) => self.pilot.claim(at, from),
+            Message::Setpoint(_) | Message::Goal(_) | Message::Arm(_) | Message::TestMotor(_) => {
+                self.pilot.claim(at, from)
+            }
             Message::Pose(_) => self.tracker.claim(at, from),
         }
     }

@@ -17,10 +17,13 @@
 use super::framing::RawFrame;
 use super::signing::SigningKey;
 use super::{
-    ARM_DISARM, Answer, ArmCommand, COMPONENT, Destination, ExternalPose, Message, SYSTEM,
+    ARM_DISARM, Answer, ArmCommand, COMPONENT, Destination, ExternalPose, MOTOR_TEST, Message,
+    SYSTEM,
 };
-use crate::control::{Setpoint, Yaw};
+use crate::control::{MotorTest, Setpoint, Yaw};
 use crate::math::{Quaternion, Vec3, wrapped};
+use crate::settings::MOST_MOTORS;
+use crate::time::micros;
 use crate::units::{BodyRates, Position, Thrust, Velocity};
 use mavlink::dialects::common::{
     AttitudeTargetTypemask as Mask, COMMAND_INT_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavFrame,
@@ -46,6 +49,9 @@ const ODOMETRY_QUALITY: usize = 232;
 
 /// Second parameter of a command to arm or disarm whatever the checks say.
 const FORCE: f32 = 21_196.0;
+
+/// Longest motor test, s, that is no mistake.
+const LONGEST_TEST: f32 = 60.0;
 
 /// The fields of a command up to its target.
 const COMMAND_LENGTH: usize = 32;
@@ -253,8 +259,31 @@ fn command(payload: &[u8]) -> Decoded {
             force,
         })),
         (ARM_DISARM, _) => Decoded::RefusedCommand(number, Answer::Denied),
+        (MOTOR_TEST, motor) => motor_test(motor, &fields)
+            .map_or(Decoded::RefusedCommand(number, Answer::Denied), |test| {
+                Decoded::Message(Message::TestMotor(test))
+            }),
         _ => Decoded::RefusedCommand(number, Answer::Unsupported),
     }
+}
+
+/// The test in a MAV_CMD_DO_MOTOR_TEST; `None` where it is refused.
+///
+/// `param1` is the motor's number in the airframe, from 1; `param2` 0, for a throttle in percent;
+/// `param3` the throttle; `param4` for how long, in s. One motor at a time: `param5` is 0 or 1.
+fn motor_test(number: f32, fields: &[u8; COMMAND_LENGTH]) -> Option<MotorTest> {
+    let parameter = |place: usize| {
+        let bytes = fields.get(4 * place..4 * place + 4)?;
+        Some(f32::from_le_bytes(bytes.try_into().ok()?))
+    };
+    let (kind, percent, length_s) = (parameter(1)?, parameter(2)?, parameter(3)?);
+    let one_motor = (1.0..=MOST_MOTORS as f32).contains(&number) && parameter(4)? <= 1.0;
+    let sound = (0.0..=100.0).contains(&percent) && (0.0..=LONGEST_TEST).contains(&length_s);
+    (one_motor && kind == 0.0 && sound).then(|| MotorTest {
+        motor: number as u8 - 1,
+        share: percent * 0.01,
+        length: micros((length_s * 1e6) as u64),
+    })
 }
 
 /// The key in a SETUP_SIGNING; whether it may be set is not to be told from the frame.

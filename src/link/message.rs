@@ -1,6 +1,7 @@
 //! The messages that the link brings to the autopilot, decoded and checked.
 
-use crate::control::{Goal, Setpoint};
+use super::{ARM_DISARM, MOTOR_TEST};
+use crate::control::{Goal, MotorTest, Setpoint};
 use crate::math::Quaternion;
 use crate::units::{Position, Velocity};
 
@@ -76,6 +77,8 @@ pub enum Message {
     Setpoint(Setpoint),
     /// Arm, or disarm (COMMAND_LONG or COMMAND_INT, MAV_CMD_COMPONENT_ARM_DISARM).
     Arm(ArmCommand),
+    /// Turn one motor of a disarmed drone (MAV_CMD_DO_MOTOR_TEST).
+    TestMotor(MotorTest),
     /// Where the drone is (ODOMETRY).
     Pose(ExternalPose),
     /// Where to fly (SET_POSITION_TARGET_LOCAL_NED).
@@ -83,11 +86,22 @@ pub enum Message {
 }
 
 impl Message {
+    /// The number of the command (MAV_CMD) that it came as, and is answered as.
+    #[must_use]
+    pub fn command(&self) -> Option<u16> {
+        match self {
+            Self::Arm(_) => Some(ARM_DISARM),
+            Self::TestMotor(_) => Some(MOTOR_TEST),
+            Self::Heartbeat | Self::Setpoint(_) | Self::Pose(_) | Self::Goal(_) => None,
+        }
+    }
+
     /// False where some value is no number; quaternions and thrusts always are.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         match self {
             Self::Heartbeat | Self::Arm(_) => true,
+            Self::TestMotor(test) => test.share.is_finite(),
             Self::Setpoint(setpoint) => setpoint.rates.is_finite(),
             Self::Pose(pose) => pose.position.is_finite() && pose.velocity.is_finite(),
             Self::Goal(goal) => {

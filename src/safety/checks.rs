@@ -21,6 +21,8 @@ numbered! {
         Setpoint,
         /// What shall be flown asks for no thrust yet.
         Thrust,
+        /// No motor is being tested.
+        MotorTest,
         /// What reactive control learned are numbers.
         Models,
         /// The processor runs control in time.
@@ -41,6 +43,7 @@ impl Check {
             Self::Tilt => "tilted, set level or check mounting",
             Self::Setpoint => "no fresh setpoint, nor goal and place",
             Self::Thrust => "setpoint asks for thrust, lower it",
+            Self::MotorTest => "a motor is being tested",
             Self::Models => "a learned model is no number, restart",
             Self::Load => "processor runs control late",
         }

@@ -1,7 +1,7 @@
 //! Arming and the end of a flight: one table of states and events.
 //!
-//! Motors follow the control logic in every state from [`FlightState::Armed`] on, and stand in
-//! the others. `docs/safety.md` shows the table.
+//! Motors follow the control logic in every state from [`FlightState::Armed`] on; before, they
+//! stand, but one that is tested. `docs/safety.md` shows the table.
 
 use crate::numbered::numbered;
 
@@ -12,6 +12,8 @@ numbered! {
         Calibrating,
         /// Ready to be armed.
         Disarmed,
+        /// Disarmed; one motor turns slowly, so that the pilot sees which.
+        Testing,
         /// Motors turn; the drone has not left the ground, or stands on it again.
         Armed,
         /// In the air, as the pilot asks.
@@ -32,6 +34,8 @@ numbered! {
         Calibrated,
         /// The pilot asks for motors, and every check passed.
         Arm,
+        /// The pilot asks for one motor, and it is one of the airframe's.
+        TestMotor,
         /// The pilot asks for no motors.
         Disarm,
         /// The pilot insists: no motors, wherever the drone is.
@@ -75,8 +79,13 @@ impl FlightState {
         Ok(match (self, event) {
             (Self::Calibrating, On::Calibrated) => Self::Disarmed,
             (Self::Disarmed, On::Arm) => Self::Armed,
-            (Self::Disarmed | Self::Armed, On::ImuLost) => Self::Calibrating,
+            (Self::Disarmed, On::TestMotor) => Self::Testing,
+            (Self::Disarmed | Self::Armed | Self::Testing, On::ImuLost) => Self::Calibrating,
             (Self::Calibrating | Self::Disarmed, _) => self,
+
+            (Self::Testing, On::Disarm | On::ForceDisarm | On::Kill | On::TimeUp) => Self::Disarmed,
+            (Self::Testing, On::BatteryEmpty | On::PilotSilent) => Self::Disarmed,
+            (Self::Testing, _) => self,
 
             (_, On::ForceDisarm | On::Kill | On::Upset | On::NotFinite) => Self::Disarmed,
             (Self::Armed, On::Disarm | On::PilotSilent | On::TimeUp | On::BatteryEmpty) => {
@@ -102,7 +111,7 @@ impl FlightState {
     /// True where motors follow the control logic.
     #[must_use]
     pub const fn is_armed(self) -> bool {
-        !matches!(self, Self::Calibrating | Self::Disarmed)
+        !matches!(self, Self::Calibrating | Self::Disarmed | Self::Testing)
     }
 
     /// True where the drone has left the ground.
@@ -117,6 +126,7 @@ impl FlightState {
         match self {
             Self::Calibrating => "calibrating",
             Self::Disarmed => "disarmed",
+            Self::Testing => "testing a motor",
             Self::Armed => "armed",
             Self::Flying => "flying",
             Self::Waiting => "waiting for the pilot",
@@ -133,6 +143,7 @@ impl FlightEvent {
         match self {
             Self::Calibrated => "gyroscope calibrated",
             Self::Arm => "armed by the pilot",
+            Self::TestMotor => "asked by the pilot",
             Self::Disarm => "disarmed by the pilot",
             Self::ForceDisarm => "forced by the pilot",
             Self::Kill => "kill switch",

@@ -1,6 +1,8 @@
 //! The one place that can make a motor output.
 
 use crate::airframe::MotorShares;
+use crate::config::MOTOR_TEST_SHARE;
+use crate::control::MotorTest;
 use crate::math::between;
 
 /// A whole motor vector that passed the gate. Nothing else can be written to the motors.
@@ -37,7 +39,7 @@ impl MotorGate {
     /// The output for a command: the command while armed, stopped motors otherwise.
     ///
     /// A command with a value that is not finite is refused as a whole and counted; the applied
-    /// one stays. Critical for safety: the only constructor of [`MotorOutput`].
+    /// one stays. Critical for safety: beside [`Self::test`] the only constructor of [`MotorOutput`].
     pub fn pass(&mut self, armed: bool, command: &MotorShares) -> MotorOutput {
         let finite = command.iter().all(|share| share.is_finite());
         if !armed {
@@ -53,6 +55,16 @@ impl MotorGate {
         MotorOutput {
             shares: self.applied,
         }
+    }
+
+    /// The output for a test of one motor: it turns slowly, the others stand.
+    pub fn test(&mut self, test: &MotorTest) -> MotorOutput {
+        let mut shares = MotorShares::all(0.0, self.applied.len());
+        if let Some(share) = shares.get_mut(usize::from(test.motor)) {
+            *share = between(test.share, 0.0, MOTOR_TEST_SHARE);
+        }
+        self.applied = shares;
+        MotorOutput { shares }
     }
 
     /// The command that the motors hold.
@@ -78,6 +90,27 @@ mod tests {
         let mut passes = |armed| gate.pass(armed, &MotorShares::all(0.7, 4)).share();
         for (armed, passed) in [(false, 0.0), (true, 0.7), (false, 0.0)] {
             assert_eq!(passes(armed), MotorShares::all(passed, 4));
+        }
+    }
+
+    #[test]
+    fn a_test_turns_one_motor_slowly_and_no_other() {
+        for motor in 0..5 {
+            let mut gate = MotorGate::new(4);
+            let test = MotorTest {
+                motor,
+                share: 0.9,
+                length: crate::time::micros(0),
+            };
+            let output = gate.test(&test).share();
+            for (place, share) in output.iter().enumerate() {
+                let expected = if place == usize::from(motor) {
+                    MOTOR_TEST_SHARE
+                } else {
+                    0.0
+                };
+                assert_eq!(*share, expected, "{place} of a test of {motor}");
+            }
         }
     }
 

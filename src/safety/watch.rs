@@ -57,6 +57,8 @@ pub struct Watch {
     flown: f32,
     /// Cosine of the tilt of an upset.
     upset_cosine: f32,
+    /// How long the motor that is tested turns.
+    test_length: Duration,
 }
 
 impl Default for Watch {
@@ -70,6 +72,7 @@ impl Default for Watch {
             mean_thrust: 0.0,
             flown: 0.0,
             upset_cosine: sin_cos(UPSET_TILT.to_radians()).1,
+            test_length: Duration::from_ticks(0),
         }
     }
 }
@@ -86,12 +89,18 @@ impl Watch {
         }
     }
 
+    /// A motor is tested for so long from now on.
+    pub fn begin_test(&mut self, now: Instant, length: Duration) {
+        self.since = now;
+        self.test_length = length;
+    }
+
     /// What a run sees; an event where it ends the state.
     pub fn take(&mut self, state: FlightState, seen: &Seen) -> Option<FlightEvent> {
         let dt = seconds(span(self.newest, seen.at));
         self.newest = seen.at;
         if !state.is_armed() {
-            return None;
+            return self.is_over(state, seen).then_some(FlightEvent::TimeUp);
         }
         if state == FlightState::Armed && seen.thrust.share() > IDLE_THRUST {
             return Some(FlightEvent::TookOff);
@@ -134,6 +143,7 @@ impl Watch {
 
     fn is_over(&self, state: FlightState, seen: &Seen) -> bool {
         let longest = match state {
+            FlightState::Testing => self.test_length,
             FlightState::Armed => LONGEST_ON_GROUND,
             FlightState::Waiting => WAITING_TIME,
             FlightState::Descending if !seen.sees_place => DESCENT_TIME,

@@ -3,9 +3,7 @@
 use super::{Board, Lock, follow};
 use crate::app::{Autopilot, Fault, Recorder};
 use crate::graph::ControlLogic;
-use crate::link::{
-    ARM_DISARM, Frame, Incoming, LinkCounters, Notice, Parser, Sender, Severity, Status,
-};
+use crate::link::{Frame, Incoming, LinkCounters, Notice, Parser, Sender, Severity, Status};
 use crate::safety::FlightState;
 use crate::time::{Duration, Instant, micros};
 
@@ -84,7 +82,9 @@ impl<P: Port> Link<P> {
                         let (next, answer) =
                             pilot.lock(|pilot| pilot.on_message(board.now(), &message));
                         follow(board, next);
-                        answer.map(|answer| self.sender.command_ack(from, ARM_DISARM, answer))
+                        let answered = message.command().zip(answer);
+                        answered
+                            .map(|(command, answer)| self.sender.command_ack(from, command, answer))
                     }
                     Incoming::Refused {
                         from,
@@ -133,7 +133,7 @@ impl<P: Port> Link<P> {
     pub fn beat(&mut self, at: Instant, state: FlightState) -> Option<LinkCounters> {
         let status = match state {
             FlightState::Calibrating => Status::Calibrating,
-            FlightState::Disarmed => Status::Standby,
+            FlightState::Disarmed | FlightState::Testing => Status::Standby,
             FlightState::Armed | FlightState::Flying => Status::Active,
             FlightState::Waiting | FlightState::Descending => Status::Critical,
             FlightState::Blind => Status::Emergency,

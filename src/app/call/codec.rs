@@ -5,11 +5,12 @@ use reflex_settings::bytes;
 use super::{DecodeError, LONGEST_RECORD};
 use crate::airframe::MotorShares;
 use crate::app::{ChipAction, ChipOrder, ChipSetting, OrderError};
-use crate::control::{Setpoint, Yaw};
+use crate::control::{MotorTest, Setpoint, Yaw};
 use crate::link::{ArmCommand, Destination, ExternalPose, Message};
 use crate::math::{Quaternion, Vec3};
 use crate::sensors::{Cause, ImuReading, Input};
 use crate::settings::MOST_MOTORS;
+use crate::time::micros;
 use crate::units::{BodyRates, Position, SpecificForce, Thrust, Velocity};
 
 pub(super) struct Encoder<'b> {
@@ -91,6 +92,12 @@ impl<'b> Encoder<'b> {
                 self.vector(pose.position.0);
                 self.vector(pose.velocity.0);
                 self.attitude(pose.attitude);
+            }
+            Message::TestMotor(test) => {
+                self.byte(5);
+                self.byte(test.motor);
+                self.float(test.share);
+                self.put(test.length.ticks().to_le_bytes());
             }
             Message::Goal(goal) => {
                 self.byte(4);
@@ -246,6 +253,11 @@ impl<'b> Decoder<'b> {
                     let heading = self.float()?;
                     given.then_some(heading)
                 },
+            }),
+            5 => Message::TestMotor(MotorTest {
+                motor: self.byte()?,
+                share: self.float()?,
+                length: micros(u64::from_le_bytes(self.take()?)),
             }),
             other => return Err(DecodeError::Unknown(other)),
         })

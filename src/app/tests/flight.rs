@@ -3,8 +3,9 @@
 use super::*;
 use crate::config::{
     ARMING_THRUST, BLIND_TIME, DESCENT_THRUST, DESCENT_TIME, LANDED_TIME, LONGEST_ON_GROUND,
-    SETPOINT_TIMEOUT, UPSET_TIME, WAITING_TIME,
+    MOTOR_TEST_SHARE, MOTOR_TEST_TIME, SETPOINT_TIMEOUT, UPSET_TIME, WAITING_TIME,
 };
+use crate::control::MotorTest;
 use crate::graph::OpenPilot;
 use crate::link::{Destination, ExternalPose};
 use crate::safety::{Check, FlightState};
@@ -253,6 +254,37 @@ fn a_pilot_who_fell_silent_meanwhile_is_missed_when_the_gyroscope_is_back() {
     rig.milliseconds(450, |_| None);
     rig.milliseconds(200, gusty);
     assert_eq!(rig.state(), FlightState::Waiting);
+}
+
+#[test]
+fn a_motor_test_turns_one_motor_of_a_disarmed_drone_for_its_time() {
+    let test = |motor, share, ms: u64| {
+        Message::TestMotor(MotorTest {
+            motor,
+            share,
+            length: micros(ms * 1_000),
+        })
+    };
+    let mut rig = Rig::new(SETTINGS).standing();
+    assert_eq!(rig.tell(&test(1, 0.1, 500)), Some(Answer::Accepted));
+    rig.milliseconds(20, still);
+    assert_eq!(rig.shares().to_vec(), [0.0, 0.1, 0.0, 0.0]);
+    // The next takes its place; more than is configured is not given.
+    assert_eq!(rig.tell(&test(2, 0.9, 60_000)), Some(Answer::Accepted));
+    rig.milliseconds(20, still);
+    assert_eq!(rig.shares().to_vec(), [0.0, 0.0, MOTOR_TEST_SHARE, 0.0]);
+    rig.fly_at(0.0);
+    assert_eq!(rig.tell(&ARM), Some(Answer::TemporarilyRejected));
+    rig.milliseconds(milliseconds(MOTOR_TEST_TIME), still);
+    assert!(stopped(&rig.shares()));
+    assert_eq!(rig.state(), FlightState::Disarmed);
+    assert_eq!(rig.tell(&test(4, 0.1, 500)), Some(Answer::Denied));
+    rig.fly_at(0.0);
+    assert_eq!(rig.tell(&ARM), Some(Answer::Accepted));
+    assert_eq!(
+        rig.tell(&test(1, 0.1, 500)),
+        Some(Answer::TemporarilyRejected)
+    );
 }
 
 #[test]

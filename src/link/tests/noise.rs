@@ -214,6 +214,7 @@ proptest! {
                     prop_assert!(it.position.is_finite() && it.velocity.is_finite());
                     prop_assert!(it.heading.is_none_or(|heading| heading.abs() <= 3.2));
                 }
+                Message::TestMotor(it) => prop_assert!((0.0..=1.0).contains(&it.share)),
                 Message::Heartbeat | Message::Arm(_) => {}
             }
         }

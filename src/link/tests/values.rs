@@ -1,8 +1,9 @@
 //! What the fields of a sound frame mean, and which values are refused.
 
 use super::*;
-use crate::control::{Setpoint, Yaw};
+use crate::control::{MotorTest, Setpoint, Yaw};
 use crate::math::{Quaternion, Vec3};
+use crate::time::micros;
 use crate::units::{BodyRates, Position, Thrust, Velocity};
 use mavlink::MavlinkVersion;
 use mavlink::dialects::common::{MavMessage, MavModeFlag, MavState, MavType};
@@ -225,6 +226,50 @@ fn other_commands_are_answered_and_not_passed_on() {
             }]
         );
         assert_eq!((counters.frames, counters.refused_value), (1, 1));
+    }
+}
+
+fn motor_test(motor: f32, kind: f32, percent: f32, length_s: f32) -> COMMAND_LONG_DATA {
+    COMMAND_LONG_DATA {
+        command: MavCmd::MAV_CMD_DO_MOTOR_TEST,
+        param2: kind,
+        param3: percent,
+        param4: length_s,
+        ..arm_command(motor)
+    }
+}
+
+#[test]
+fn a_motor_test_names_one_motor_a_throttle_in_percent_and_a_time() {
+    let expected = MotorTest {
+        motor: 2,
+        share: 10.0 * 0.01,
+        length: micros(1_500_000),
+    };
+    let found = message_of(&motor_test(3.0, 0.0, 10.0, 1.5));
+    assert_eq!(found, Some(Message::TestMotor(expected)));
+    let wrong = [
+        motor_test(0.0, 0.0, 10.0, 1.0),
+        motor_test(9.0, 0.0, 10.0, 1.0),
+        motor_test(f32::NAN, 0.0, 10.0, 1.0),
+        motor_test(1.0, 1.0, 10.0, 1.0),
+        motor_test(1.0, 0.0, 101.0, 1.0),
+        motor_test(1.0, 0.0, f32::NAN, 1.0),
+        motor_test(1.0, 0.0, 10.0, -1.0),
+        motor_test(1.0, 0.0, 10.0, f32::INFINITY),
+        COMMAND_LONG_DATA {
+            param5: 4.0,
+            ..motor_test(1.0, 0.0, 10.0, 1.0)
+        },
+    ];
+    for command in wrong {
+        let (found, _) = read(&frame(0, &command));
+        let refused = Incoming::Refused {
+            from: GROUND,
+            command: MOTOR_TEST,
+            answer: Answer::Denied,
+        };
+        assert_eq!(found, [refused], "{command:?}");
     }
 }
 
