@@ -1,4 +1,4 @@
-//! The MPU6050 goes wrong in flight, and the LSM303AGR's accelerometer calls control.
+//! The MPU6050 goes wrong in flight, and the other accelerometer calls control.
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
