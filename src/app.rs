@@ -6,6 +6,7 @@
 //! A sample's way is `on_imu`, `on_hyperperiod` and `run` below: take, ask; then, where a run is
 //! due, estimate and control, gate, learn.
 
+mod airborne;
 mod call;
 mod chips;
 mod demand;
@@ -33,6 +34,7 @@ use crate::safety::{Arming, ArmingEvent, MotorOutput, Passed, Refusal, Safety};
 use crate::sensors::{ChipSample, ImuReading, Input, Inputs};
 use crate::settings::{Settings, Start};
 use crate::time::Instant;
+use airborne::Airborne;
 use chips::Chips;
 use demand::{Aim, Demand};
 use record::Record;
@@ -51,6 +53,8 @@ pub struct Autopilot<R, L = Flown> {
     graph: L,
     /// Whether motors may turn, and the gate to them.
     safety: Safety,
+    /// Whether it flies.
+    airborne: Airborne,
     /// Orders to the chips that compare by themselves.
     chips: Chips,
     /// What happened.
@@ -77,6 +81,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             reactive: Reactive::new(&settings, &graph),
             graph,
             safety: Safety::new(motors),
+            airborne: Airborne::default(),
             chips: Chips::new(&settings),
             record: Record::new(recorder),
         }
@@ -185,8 +190,13 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         self.graph.go_blind(self.reactive.is_blind());
         self.graph.take(motion, self.sensing.heading_error(now));
         self.graph.run();
-        if !self.safety.is_armed() {
+        let (armed, thrust) = (self.safety.is_armed(), self.graph.collective().share());
+        self.airborne
+            .judge(now, armed, thrust, self.sensing.force().0);
+        if !armed {
             self.graph.reset_integrals();
+        } else if !self.airborne.is_airborne() {
+            self.graph.stand();
         }
     }
 

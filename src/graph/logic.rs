@@ -27,6 +27,11 @@ pub trait ControlLogic {
     /// Forgets integrals: for the ground, where they only wind up.
     fn reset_integrals(&mut self);
 
+    /// The same for a drone that is armed and stands: what lifts it goes on.
+    fn stand(&mut self) {
+        self.reset_integrals();
+    }
+
     /// Motion since the last propagation, and the error of the heading (rad) where measured.
     ///
     /// Motion that covers no time advances nothing; the newest rotation counts all the same.

@@ -129,6 +129,11 @@ impl ControlLogic for OpenPilot {
         self.set_integrals(Integrals::default());
         self.set_path(PathState::default());
     }
+
+    fn stand(&mut self) {
+        self.set_integrals(Integrals::default());
+        self.set_path(self.path().standing());
+    }
 }
 
 #[cfg(test)]

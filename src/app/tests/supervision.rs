@@ -262,3 +262,42 @@ fn a_warm_up_in_which_nothing_changes_turns_to_lags_at_half_its_longest() {
 fn a_warm_up_that_learns_turns_to_no_lags() {
     assert_eq!(turned_to_lags(25, gusty), []);
 }
+
+/// How far the motors are apart, after a body was held 3 degrees off for a minute at this thrust.
+fn apart_after_a_minute_held_off<L: ControlLogic + Default>(thrust: f32) -> f32 {
+    let mut rig = Rig::with_logic(SETTINGS, L::default()).readied();
+    let tilted = Setpoint {
+        attitude: Some(Quaternion::IDENTITY.turned_by(Vec3::new(0.052, 0.0, 0.0))),
+        ..Setpoint::level(Thrust::new(thrust).expect("in range"))
+    };
+    let mut apart = [0.0; 2];
+    for second in 0..60 {
+        for _ in 0..10 {
+            rig.tell(&Message::Setpoint(tilted));
+            rig.milliseconds(100, noise);
+        }
+        let shares = rig.outputs.last().expect("runs").1;
+        let largest = shares.iter().copied().fold(0.0, f32::max);
+        apart[usize::from(second > 0)] = shares
+            .iter()
+            .fold(0.0, |most: f32, share| most.max(largest - share));
+    }
+    apart[1] - apart[0]
+}
+
+#[test]
+fn a_body_that_is_held_off_on_the_ground_winds_up_no_integral_in_any_logic() {
+    for thrust in [0.0, 0.1] {
+        let grown = [
+            apart_after_a_minute_held_off::<Cascade>(thrust),
+            apart_after_a_minute_held_off::<crate::graph::OpenPilot>(thrust),
+            apart_after_a_minute_held_off::<crate::graph::ArduCopter>(thrust),
+            apart_after_a_minute_held_off::<crate::graph::Cleanflight>(thrust),
+            apart_after_a_minute_held_off::<crate::graph::Observer>(thrust),
+        ];
+        assert!(
+            grown.iter().all(|grown| *grown < 0.02),
+            "{thrust} {grown:?}"
+        );
+    }
+}
