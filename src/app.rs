@@ -18,14 +18,15 @@ mod telemetry;
 pub use crate::reactive::{Next, Outcome, Reason};
 pub use call::{Call, CallRing, DecodeError, LONGEST_RECORD, RING_LENGTH, Ran, Recorder, Stamped};
 pub use door::{ChipAction, ChipOrder, ChipSetting, Fault, OrderError};
+pub use sensing::{Condition, Health};
 pub use telemetry::{Event, Events, RunCounts, Telemetry};
 
 use crate::airframe::Mixer;
 use crate::control::Setpoint;
-use crate::estimate::{Motion, Place};
+use crate::estimate::{Motion, Place, in_small_turns};
 use crate::graph::{ControlLogic, Flown, Tuned};
 use crate::link::{Answer, Destination, ExternalPose, Message};
-use crate::math::wrapped;
+use crate::math::{Quaternion, Vec3, wrapped};
 use crate::reactive::{
     Column, FallbackReason, Fit, Foresight, Phase, PhaseEvent, Reactive, Refit, RefitJob, Review,
     Run, Situation, Sounding,
@@ -55,6 +56,8 @@ pub struct Autopilot<R, L = Flown> {
     safety: Safety,
     /// Whether it flies.
     airborne: Airborne,
+    /// The newest estimate that was sound, and how many were not since.
+    sound: (Quaternion, u8),
     /// Orders to the chips that compare by themselves.
     chips: Chips,
     /// What happened.
@@ -82,6 +85,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             graph,
             safety: Safety::new(motors),
             airborne: Airborne::default(),
+            sound: (Quaternion::IDENTITY, 0),
             chips: Chips::new(&settings),
             record: Record::new(recorder),
         }
@@ -118,7 +122,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// Takes what the sensors say, runs the graph, passes the gate, learns.
     fn run(&mut self, now: Instant, reason: Reason) -> MotorOutput {
         self.check_silences(now);
-        let motion = self.sensing.take_motion();
+        let motion = self.take_motion(now);
         self.propagate(now, &motion);
         let passed = self.pass_gate();
         self.learn(now, reason, &motion, &passed);
@@ -130,30 +134,66 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// Filters and sums a sample; `false` where it is not believed, `None` where it calibrates.
     fn take(&mut self, at: Instant, reading: &ImuReading) -> Option<bool> {
         let (armed, cutoff) = (self.safety.is_armed(), self.graph.derivative_cutoff());
-        match self.sensing.take(at, reading, armed, cutoff) {
+        let mut tell = |fault| self.record.fault(fault);
+        let taken = self.sensing.take(at, reading, armed, cutoff, &mut tell);
+        match taken {
             Taken::Calibrating => return None,
-            Taken::Calibrated(force) => {
-                self.graph.align(force);
-                self.move_arming(ArmingEvent::Calibrated);
+            Taken::Turning => {
+                self.record.fault(Fault::Turning);
+                self.move_arming(ArmingEvent::ImuLost);
                 return None;
             }
-            Taken::Stuck { now } => {
-                if now {
-                    self.record.fault(Fault::ImuStuck);
-                }
-                self.move_phase(PhaseEvent::Fail(FallbackReason::ImuLost));
-                return Some(false);
+            Taken::Lost => {
+                self.on_imu_lost();
+                return self.is_calibrated().then_some(false);
             }
-            Taken::Filtered { jumped } => {
-                if self.reactive.is_blind() {
-                    self.move_phase(PhaseEvent::ImuBack);
-                }
+            Taken::Filtered {
+                jumped,
+                turned,
+                rest,
+            } => {
                 if jumped {
                     self.record.fault(Fault::ImuJump);
+                }
+                if turned.is_some() || rest.is_some() {
+                    self.realign(turned, rest);
+                }
+                if self.reactive.is_blind() {
+                    self.move_phase(PhaseEvent::ImuBack);
                 }
             }
         }
         Some(true)
+    }
+
+    /// The attitude is set behind a gap, in which the body turned, or at rest.
+    ///
+    /// In flight the accelerometer feels the propellers' push, and says nothing about the vertical.
+    #[inline(never)] // Rare.
+    fn realign(&mut self, turned: Option<Vec3>, rest: Option<Vec3>) {
+        let estimate = self.graph.estimate();
+        let bridged = turned.map(|turned| in_small_turns(estimate, turned));
+        let standing = (!self.airborne.is_airborne()).then(|| self.sensing.force().0);
+        let level = rest.or(standing).and_then(|force| estimate.levelled(force));
+        if let Some(attitude) = level.or(bridged) {
+            self.graph.align(attitude);
+        }
+        if rest.is_some() {
+            self.move_arming(ArmingEvent::Calibrated);
+        }
+    }
+
+    fn is_calibrated(&self) -> bool {
+        self.safety.arming() != Arming::Calibrating
+    }
+
+    /// No motion is known any more, or still.
+    fn on_imu_lost(&mut self) {
+        self.move_arming(ArmingEvent::ImuLost);
+        self.move_phase(PhaseEvent::Fail(FallbackReason::ImuLost));
+        if self.safety.arming() == Arming::Calibrating {
+            self.sensing.forget_calibration();
+        }
     }
 
     /// Shows the filtered sample to its inputs, and what can be derived from it.
@@ -185,11 +225,17 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         }
     }
 
+    fn take_motion(&mut self, now: Instant) -> Motion {
+        self.sensing
+            .take_motion(now, &mut |fault| self.record.fault(fault))
+    }
+
     /// The graph takes the motion, estimates and controls.
     fn propagate(&mut self, now: Instant, motion: &Motion) {
         self.graph.go_blind(self.reactive.is_blind());
         self.graph.take(motion, self.sensing.heading_error(now));
         self.graph.run();
+        self.check_sound();
         let (armed, thrust) = (self.safety.is_armed(), self.graph.collective().share());
         self.airborne
             .judge(now, armed, thrust, self.sensing.force().0);
@@ -200,12 +246,22 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         }
     }
 
-    fn pass_gate(&mut self) -> Passed {
-        let passed = self.safety.pass(&self.graph.mixed().shares);
-        if passed.refused {
+    /// A graph with a value that is not finite begins anew where it last was sound.
+    fn check_sound(&mut self) {
+        let estimate = self.graph.estimate();
+        let mut shares = self.graph.mixed().shares.iter();
+        if estimate.is_finite() && shares.all(|share| share.is_finite()) {
+            self.sound = (estimate, 0);
+        } else {
+            let (attitude, runs) = self.sound;
+            self.sound = (attitude, runs.saturating_add(1));
             self.record.fault(Fault::Command);
+            self.graph.restart(attitude);
         }
-        passed
+    }
+
+    fn pass_gate(&mut self) -> Passed {
+        self.safety.pass(&self.graph.mixed().shares)
     }
 
     /// What a run taught, and what follows; its samples are the new references.
@@ -262,7 +318,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// on how often control runs. Not inlined: in its many places it would cost 2 KiB.
     #[inline(never)]
     fn advance(&mut self, now: Instant) {
-        let motion = self.sensing.take_motion();
+        let motion = self.take_motion(now);
         if motion.sums.dt > 0.0 {
             self.graph.take(&motion, self.sensing.heading_error(now));
             self.graph.run();
@@ -290,10 +346,12 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         self.reactive.foresight_in_use() == Foresight::Exact
     }
 
-    /// When [`Self::on_timer`] is due next.
+    /// When [`Self::on_timer`] is due next: control runs no later, nor is silence noticed later.
     #[must_use]
     pub fn deadline(&self) -> Instant {
-        self.reactive.deadline()
+        let run = self.reactive.deadline();
+        let silence = self.sensing.silence_deadline();
+        silence.map_or(run, |silence| run.min(silence))
     }
 
     /// Checked in every run, whatever its reason: a drone that tumbles without its gyroscope
@@ -315,11 +373,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
 
     fn on_imu_silent(&mut self) {
         self.record.fault(Fault::ImuSilent);
-        self.move_arming(ArmingEvent::ImuLost);
-        self.move_phase(PhaseEvent::Fail(FallbackReason::ImuLost));
-        if self.safety.arming() == Arming::Calibrating {
-            self.sensing.forget_calibration();
-        }
+        self.on_imu_lost();
     }
 
     // The chips that compare.
@@ -331,9 +385,16 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.record.fault(Fault::ChipStuck(sample.input));
             self.on_chip_lost(sample.input);
         }
-        if sample.input == Input::ChipMag && self.chips.delivering().contains(Input::ChipMag) {
-            self.sensing
-                .take_field(at, sample.axes, self.graph.estimate());
+        if self.chips.delivering().contains(sample.input) {
+            let tell = &mut |fault| self.record.fault(fault);
+            match sample.input {
+                Input::ChipMag => {
+                    let attitude = self.graph.estimate();
+                    self.sensing.take_field(at, sample.axes, attitude, tell);
+                }
+                Input::ChipAccel => self.sensing.take_other_force(sample.axes, tell),
+                _ => {}
+            }
         }
         let (command, tell) = (self.safety.applied(), self.record.labels());
         self.reactive.take_sample(at, sample, command, tell)
@@ -490,6 +551,18 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     }
 
     // States.
+
+    /// How the sensors do.
+    #[must_use]
+    pub fn health(&self) -> Health {
+        self.sensing.health(self.graph.estimate())
+    }
+
+    /// How many runs in a row computed what is not finite.
+    #[must_use]
+    pub fn unsound_runs(&self) -> u8 {
+        self.sound.1
+    }
 
     fn move_arming(&mut self, event: ArmingEvent) {
         let moved = self.safety.on_event(event);

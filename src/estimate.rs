@@ -7,10 +7,12 @@ mod calibration;
 mod mahony;
 mod openpilot;
 mod place;
+mod vertical;
 
 pub use arrival::{Arrival, Increment, Motion, Rotation, trusted_down};
-pub use attitude::{AttitudeFilter, Corrections};
-pub use calibration::{AtRest, GyroCalibration};
+pub use attitude::{AttitudeFilter, Corrections, in_small_turns};
+pub use calibration::{AtRest, Calibrating, GyroCalibration, LARGEST_BIAS};
 pub use mahony::{Evidence, MahonyFilter};
 pub use openpilot::{OpenPilotFilter, Turned};
 pub use place::Place;
+pub use vertical::Vertical;

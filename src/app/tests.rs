@@ -8,17 +8,18 @@ use crate::graph::Cascade;
 use crate::link::{Answer, Message};
 use crate::math::Vec3;
 use crate::reactive::{Fit, Refit};
-use crate::sensors::{Cause, GRAVITY, ImuReading, Input, Inputs};
+use crate::sensors::{Cause, GRAVITY, Input, Inputs};
 use crate::settings::{Policy, WarmUp};
 use crate::time::{at_micros, micros, span};
 use crate::units::{BodyRates, SpecificForce, Thrust};
 
-use rig::{Rig, force, obeyed, turning};
+use rig::{Rig, alive, breath, force, obeyed, resting};
 
 mod chips;
 mod gaps;
 mod goals;
 mod rig;
+mod sensors;
 mod supervision;
 
 /// A gust every quarter second over a little noise, in counts.
@@ -42,22 +43,22 @@ fn short_warm_up() -> Settings {
 #[test]
 fn it_refuses_to_arm_before_the_gyroscope_is_calibrated() {
     let mut rig = Rig::new(SETTINGS);
-    rig.milliseconds(100, |_| Some(0));
+    rig.milliseconds(100, resting);
     assert_eq!(
         rig.tell(&Message::Arm(true)),
         Some(Answer::TemporarilyRejected)
     );
-    rig.milliseconds(1000, |_| Some(0));
+    rig.milliseconds(1000, resting);
     assert_eq!(rig.tell(&Message::Arm(true)), Some(Answer::Accepted));
 }
 
 #[test]
 fn motors_stay_stopped_until_armed_and_stop_when_disarmed() {
     let mut rig = Rig::new(SETTINGS);
-    rig.milliseconds(1000, |_| Some(0));
+    rig.milliseconds(1000, resting);
     assert!(rig.outputs.iter().all(|(_, shares)| stopped(shares)));
     let mut rig = Rig::armed(SETTINGS);
-    rig.milliseconds(10, |_| Some(0));
+    rig.milliseconds(10, resting);
     assert!(
         rig.outputs
             .last()
@@ -67,7 +68,7 @@ fn motors_stay_stopped_until_armed_and_stop_when_disarmed() {
             .all(|share| *share > 0.3)
     );
     rig.tell(&Message::Arm(false));
-    rig.milliseconds(10, |_| Some(0));
+    rig.milliseconds(10, resting);
     assert!(stopped(&rig.outputs.last().expect("runs").1));
 }
 
@@ -234,10 +235,10 @@ fn without_a_gyroscope_no_torque_is_held() {
 #[test]
 fn a_new_flight_does_not_begin_with_the_thrust_of_the_last() {
     let mut rig = Rig::armed(SETTINGS);
-    rig.milliseconds(100, |_| Some(0));
+    rig.milliseconds(100, resting);
     rig.tell(&Message::Arm(false));
     rig.tell(&Message::Arm(true));
-    rig.milliseconds(10, |_| Some(0));
+    rig.milliseconds(10, resting);
     let shares = rig.outputs.last().expect("runs").1;
     assert!(shares.iter().all(|share| *share < 0.1), "{shares:?}");
 }
@@ -245,7 +246,7 @@ fn a_new_flight_does_not_begin_with_the_thrust_of_the_last() {
 #[test]
 fn a_disarm_stops_the_motors_without_waiting_for_a_sample() {
     let mut rig = Rig::armed(SETTINGS);
-    rig.milliseconds(100, |_| Some(0));
+    rig.milliseconds(100, resting);
     let now = at_micros(rig.now);
     let (next, answer) = rig.autopilot.on_message(now, &Message::Arm(false));
     assert_eq!((next, answer), (Next::Hyperperiod, Some(Answer::Accepted)));
@@ -256,13 +257,12 @@ fn a_disarm_stops_the_motors_without_waiting_for_a_sample() {
 #[test]
 fn a_drone_on_its_side_is_not_armed() {
     let mut rig = Rig::new(SETTINGS);
-    let on_its_side = ImuReading {
-        force: SpecificForce(Vec3::new(0.0, -GRAVITY, 0.0)),
-        ..turning(0)
-    };
     for _ in 0..1000 {
         rig.now += 1000;
         let now = at_micros(rig.now);
+        let mut on_its_side = alive(0, rig.now);
+        on_its_side.rates.0.x = breath(rig.now, 0) * 1e-3;
+        on_its_side.force.0 += Vec3::new(0.0, -GRAVITY, GRAVITY);
         let _ = rig.autopilot.on_imu(now, &on_its_side);
         let _ = rig.autopilot.on_hyperperiod(now);
     }
@@ -270,19 +270,20 @@ fn a_drone_on_its_side_is_not_armed() {
         rig.tell(&Message::Arm(true)),
         Some(Answer::TemporarilyRejected)
     );
+    assert_eq!(rig.autopilot.telemetry().arming, Arming::Disarmed);
 }
 
 #[test]
 fn a_gyroscope_lost_on_the_ground_is_calibrated_anew_and_from_the_start() {
     let mut rig = Rig::new(SETTINGS);
-    rig.milliseconds(1_000, |_| Some(0));
+    rig.milliseconds(1_000, resting);
     rig.milliseconds(500, |_| None);
-    rig.milliseconds(100, |_| Some(0));
+    rig.milliseconds(100, resting);
     assert_eq!(
         rig.tell(&Message::Arm(true)),
         Some(Answer::TemporarilyRejected)
     );
-    rig.milliseconds(600, |_| Some(0));
+    rig.milliseconds(600, resting);
     assert_eq!(rig.tell(&Message::Arm(true)), Some(Answer::Accepted));
 }
 

@@ -9,13 +9,34 @@ impl Recorder for Vec<Stamped> {
 }
 
 /// A drone at rest that turns about roll at `rate` counts of a gyroscope with 16.4 per deg/s.
-pub fn turning(rate: i16) -> ImuReading {
+fn turning(rate: i16) -> ImuReading {
     let rate = f32::from(rate) * (core::f32::consts::PI / (180.0 * 16.4));
     ImuReading {
         rates: BodyRates(Vec3::new(rate, 0.0, 0.0)),
         force: SpecificForce(Vec3::new(0.0, 0.0, -GRAVITY)),
         temperature: 36.53,
     }
+}
+
+/// The noise (counts) of an axis of a sensor that is alive, at an instant in us.
+pub fn breath(now: u64, axis: u64) -> f32 {
+    let mixed = (now / 1000 * 3 + axis).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    (mixed >> 60) as f32 / 4.0 - 2.0
+}
+
+/// That drone, whose other axes are alive.
+pub fn alive(rate: i16, now: u64) -> ImuReading {
+    let mut reading = turning(rate);
+    let count = core::f32::consts::PI / (180.0 * 16.4);
+    reading.rates.0 += Vec3::new(0.0, breath(now, 1), breath(now, 2)) * count;
+    let [x, y, z] = [3, 4, 5].map(|axis| breath(now, axis));
+    reading.force.0 += Vec3::new(x, y, z) * (GRAVITY / 2048.0);
+    reading
+}
+
+/// At rest: the counts of a gyroscope's axis that is alive.
+pub fn resting(now: u64) -> Option<i16> {
+    Some(breath(now, 0) as i16)
 }
 
 /// Counts of an accelerometer with 16 per 0.98 mg.
@@ -79,7 +100,7 @@ impl<L: ControlLogic> Rig<L> {
 
     /// The same, calibrated and armed, with a setpoint of half thrust.
     pub fn readied(mut self) -> Self {
-        self.milliseconds(600, |_| Some(0));
+        self.milliseconds(600, resting);
         self.tell(&Message::Setpoint(Setpoint::level(
             Thrust::new(0.5).expect("in range"),
         )));
@@ -97,7 +118,7 @@ impl<L: ControlLogic> Rig<L> {
                 self.outputs.push((self.now, output.share()));
             }
             if let Some(rate) = rate(self.now)
-                && self.autopilot.on_imu(now, &turning(rate)) == Next::Hyperperiod
+                && self.autopilot.on_imu(now, &alive(rate, self.now)) == Next::Hyperperiod
                 && let Some(output) = self.autopilot.on_hyperperiod(now)
             {
                 self.outputs.push((self.now, output.share()));

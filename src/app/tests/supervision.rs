@@ -19,20 +19,6 @@ fn noise(now: u64) -> Option<i16> {
 }
 
 #[test]
-fn a_stuck_gyroscope_is_noticed_within_two_failsafe_periods_and_forgiven_when_it_moves() {
-    let mut rig = reactive(short_warm_up());
-    rig.milliseconds(190, |_| Some(77));
-    assert_eq!(rig.phase(), Phase::Reactive);
-    rig.milliseconds(20, |_| Some(77));
-    assert_eq!(rig.phase(), Phase::Fallback(FallbackReason::ImuLost));
-    assert_eq!(rig.autopilot.faults(Fault::ImuStuck), 1);
-    let blind = rig.outputs.last().expect("runs").1;
-    assert!(blind.iter().all(|share| (share - blind[0]).abs() < 1e-6));
-    rig.milliseconds(5, gusty);
-    assert_eq!(rig.phase(), Phase::WarmUp);
-}
-
-#[test]
 fn aerobatics_are_flown_time_triggered_and_reactive_control_returns_after_them() {
     let mut rig = reactive(short_warm_up());
     let mut flip = Setpoint::level(Thrust::new(0.5).expect("in range"));
@@ -69,7 +55,7 @@ fn runs_that_begin_late_time_and_again_end_reactive_control() {
         rig.now += 1000;
         let now = at_micros(rig.now);
         let rate = gusty(rig.now).unwrap_or(0);
-        if rig.autopilot.on_imu(now, &turning(rate)) == Next::Hyperperiod {
+        if rig.autopilot.on_imu(now, &alive(rate, rig.now)) == Next::Hyperperiod {
             let too_late = now + HYPERPERIOD;
             rig.autopilot.on_hyperperiod(too_late);
             late += 1;
