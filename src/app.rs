@@ -32,7 +32,7 @@ use crate::reactive::{
     Run, Situation, Sounding,
 };
 use crate::safety::{Arming, ArmingEvent, MotorOutput, Passed, Refusal, Safety};
-use crate::sensors::{ChipSample, ImuReading, Input, Inputs};
+use crate::sensors::{Cause, ChipSample, ImuReading, Input, Inputs};
 use crate::settings::{Settings, Start};
 use crate::time::Instant;
 use airborne::Airborne;
@@ -392,7 +392,10 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
                     let attitude = self.graph.estimate();
                     self.sensing.take_field(at, sample.axes, attitude, tell);
                 }
-                Input::ChipAccel => self.sensing.take_other_force(sample.axes, tell),
+                // What passed a threshold is no sample of the mean.
+                Input::ChipAccel if sample.cause != Cause::Threshold => {
+                    self.sensing.take_other_force(at, sample.axes, tell);
+                }
                 _ => {}
             }
         }

@@ -268,8 +268,13 @@ impl Sensing {
     }
 
     /// Takes a force (m/s2) that the other accelerometer felt.
-    pub(super) fn take_other_force(&mut self, force: Vec3, tell: &mut impl FnMut(Fault)) {
-        if self.accels.take(self.accel.newest(), force) {
+    pub(super) fn take_other_force(
+        &mut self,
+        at: Instant,
+        force: Vec3,
+        tell: &mut impl FnMut(Fault),
+    ) {
+        if self.accels.take(at, self.accel.newest(), force) {
             tell(Fault::AccelsApart);
         }
     }
