@@ -390,7 +390,10 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             match sample.input {
                 Input::ChipMag => {
                     let attitude = self.graph.estimate();
-                    self.sensing.take_field(at, sample.axes, attitude, tell);
+                    let turned = self.sensing.take_field(at, sample.axes, attitude, tell);
+                    if turned.is_some() {
+                        self.realign(turned, None);
+                    }
                 }
                 // What passed a threshold is no sample of the mean.
                 Input::ChipAccel if sample.cause != Cause::Threshold => {

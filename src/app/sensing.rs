@@ -31,12 +31,14 @@ const RATES: Range = Range {
     rail: 34.7,
     step: 4.0,
     drift: 500.0,
+    rough: 0.5,
 };
 /// Of forces, in m/s2: the range ends at 16 g.
 const FORCES: Range = Range {
     rail: 155.0,
     step: 60.0,
     drift: 2_000.0,
+    rough: 15.0,
 };
 /// Behind a longer gap (s) the time between is not summed.
 const GAP: f32 = 0.02;
@@ -59,6 +61,8 @@ pub(super) struct Sensing {
     heading: Heading,
     /// The newest sample was not believed.
     lost: bool,
+    /// Motion was bridged over a gap, and the field did not show yet what became of the attitude.
+    bridged: bool,
     /// How long the gating sensor may be silent.
     patience: Duration,
 }
@@ -115,6 +119,7 @@ impl Sensing {
             accels: Accels::default(),
             heading: Heading::default(),
             lost: false,
+            bridged: false,
             patience: settings.failsafe,
         }
     }
@@ -188,6 +193,7 @@ impl Sensing {
     #[inline(never)] // Rare.
     fn bridge(&mut self, (since, before): (Instant, BodyRates), at: Instant) -> Vec3 {
         self.lost = false;
+        self.bridged = true;
         let gap = seconds(span(since, at).min(LONGEST_BRIDGE));
         let turned = (before.0 + self.arrival.rates().0) * (0.5 * gap);
         self.vertical = self.vertical.turned_by(turned);
@@ -280,22 +286,31 @@ impl Sensing {
     }
 
     /// Takes the magnetic field (gauss, body axes), with the attitude of the last run.
+    ///
+    /// Behind a gap, how far that attitude is to be turned: rates at its ends say less than the
+    /// field, which in a steady fall through the air is the only one to see a tilt.
     pub(super) fn take_field(
         &mut self,
         at: Instant,
         field: Vec3,
         attitude: Quaternion,
         tell: &mut impl FnMut(Fault),
-    ) {
+    ) -> Option<Vec3> {
         self.calibration.take_field(field);
-        if self.bias.is_some() {
-            // Where the body is now, not where it was at the last run.
-            let turned = self.arrival.motion().sums.angle;
-            let earth = attitude.turned_by(turned).to_earth(field);
-            if self.heading.take_field(at, earth) {
-                tell(Fault::FieldBent);
-            }
+        self.bias?;
+        // Where the body is now, not where it was at the last run.
+        let turned = self.arrival.motion().sums.angle;
+        let attitude = attitude.turned_by(turned);
+        if self.bridged && !self.lost {
+            self.bridged = false;
+            let turn = self.heading.turn_to_field(attitude, field)?;
+            self.vertical = self.vertical.turned_by(turn);
+            return Some(turn);
         }
+        if self.heading.take_field(at, attitude.to_earth(field)) {
+            tell(Fault::FieldBent);
+        }
+        None
     }
 
     /// Takes the error (rad) that an external pose shows; it leads before the magnetometer.

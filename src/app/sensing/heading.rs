@@ -5,7 +5,7 @@
 //! the heading to the gyroscope, which drifts far less than they bend. A field that stays bent for
 //! [`BENT`] holds the heading from then on, wherever it points.
 
-use crate::math::{Vec3, atan2, sqrt, wrapped};
+use crate::math::{Quaternion, Vec3, atan2, sqrt, wrapped};
 use crate::time::{Duration, Instant, micros, seconds, span};
 
 /// How long a measured error of the heading is believed.
@@ -64,6 +64,8 @@ pub(super) struct Heading {
     pose_at: Option<Instant>,
     /// Since when the field is bent, and whether that was told.
     bent: Option<(Instant, bool)>,
+    /// The newest field that was followed, gauss in Earth axes.
+    earth: Option<Vec3>,
 }
 
 impl Heading {
@@ -82,6 +84,7 @@ impl Heading {
         if !weak && field.is_like(&reference) && self.follows(at, error) {
             self.error = Some((at, error));
             self.bent = None;
+            self.earth = Some(earth);
             return false;
         }
         self.take_bent(at, field)
@@ -112,6 +115,20 @@ impl Heading {
         tells
     }
 
+    /// The turn (rad, body axes) that brings an estimate to see the field where it was.
+    ///
+    /// It shows two of three angles; of a field that dips steeply mostly those of the tilt.
+    pub(super) fn turn_to_field(&self, attitude: Quaternion, field: Vec3) -> Option<Vec3> {
+        let earth = self.earth?;
+        if (field.norm() - earth.norm()).abs() > STRENGTH * earth.norm() {
+            return None;
+        }
+        let expected = attitude.to_body(earth);
+        let axis = field.cross(expected);
+        let (sine, cosine) = (axis.norm(), field.dot(expected));
+        (sine > 1e-6).then(|| axis * (atan2(sine, cosine) / sine))
+    }
+
     /// The estimate itself may have jumped: the next error is right, however far it is.
     pub(super) fn allow_jump(&mut self) {
         self.error = None;
@@ -130,6 +147,7 @@ impl Heading {
             error: Some((at, error)),
             pose_at: Some(at),
             bent: None,
+            earth: None,
         };
     }
 

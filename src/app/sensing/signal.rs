@@ -5,6 +5,7 @@
 //! | frozen | an axis repeats itself to the last bit | [`FROZEN`] samples | see below |
 //! | at the rail | an axis is at the end of its range | [`AT_RAIL`] samples | a spin that lasts |
 //! | jumping | many samples that no motion explains | [`MANY`] of them, soon on another | - |
+//! | jumping | samples that turn back again and again | some [`ROUGHNESS`] samples | vibration |
 //!
 //! A gyroscope at rest with the datasheet's noise (0.9 counts in 98 Hz) repeats half of its
 //! samples, and never more than 21 in a row in a million; one with half of that noise repeats
@@ -13,7 +14,9 @@
 //! A sample that no motion explains is dropped, the one before stands for it. Beyond
 //! [`Range::step`] a millisecond nothing turns or shakes a drone that still flies: twice what
 //! bounces and a crash in recorded flights show, behind the chip's filter. What was dropped may
-//! still have been motion, so the longer the sensor insists the more it is believed.
+//! still have been motion, so the longer the sensor insists the more it is believed. Garbage of smaller
+//! steps turns back with every sample, as nothing behind a low-pass of 98 Hz does: the mean of
+//! second differences is a third of [`Range::rough`] in the worst vibration recorded.
 
 use crate::math::Vec3;
 
@@ -27,6 +30,10 @@ const DROPPED: u16 = 10;
 const MANY: u16 = 500;
 /// It jumps no more below this: a tenth of a second behind the last jump.
 const FEW: u16 = 400;
+/// Samples over which second differences are averaged.
+const ROUGHNESS: f32 = 64.0;
+/// One second difference counts this many times the limit at most: a spike is no garbage.
+const ROUGHEST: f32 = 4.0;
 /// Behind a gap that is longer, in s, any step may be motion.
 const GAP: f32 = 0.02;
 
@@ -39,6 +46,8 @@ pub(super) struct Range {
     pub(super) step: f32,
     /// How much further it may have come, in a second, while samples were dropped.
     pub(super) drift: f32,
+    /// The mean second difference of neighbours that no vibration explains.
+    pub(super) rough: f32,
 }
 
 /// How a sensor does.
@@ -70,12 +79,16 @@ pub(super) struct Judged {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Signal {
     raw: Vec3,
+    /// What it moved by.
+    moved: Vec3,
     believed: Vec3,
     /// Equal samples in a row, by axis.
     same: [u8; 3],
     /// Time since the believed sample, in s.
     held: f32,
     dropped: u16,
+    /// Mean second difference.
+    rough: f32,
     condition: Condition,
 }
 
@@ -100,6 +113,10 @@ impl Signal {
     /// Takes a sample, `dt` (s) behind the one before.
     pub(super) fn take(&mut self, value: Vec3, dt: f32, range: &Range) -> Judged {
         self.count_same(value);
+        let moved = value - self.raw;
+        let turned = (moved - self.moved).max_norm().min(ROUGHEST * range.rough);
+        self.rough += (turned - self.rough) * (1.0 / ROUGHNESS);
+        self.moved = moved;
         self.raw = value;
         let first = self.held == 0.0;
         self.held += dt;
@@ -142,10 +159,16 @@ impl Signal {
         let [x, y, z] = self.same;
         let jumping = self.condition == Condition::Jumping;
         let most = x.max(y).max(z);
-        if most < FROZEN && self.dropped < FEW && self.condition == Condition::Alive {
+        let (many, rough) = if jumping {
+            (FEW, 0.7 * range.rough)
+        } else {
+            (MANY, range.rough)
+        };
+        let jumps = self.dropped >= many || self.rough > rough;
+        if most < FROZEN && !jumps && self.condition == Condition::Alive {
             return None;
         }
-        let condition = if self.dropped >= if jumping { FEW } else { MANY } {
+        let condition = if jumps {
             Condition::Jumping
         } else if most < FROZEN {
             Condition::Alive
@@ -184,6 +207,7 @@ mod tests {
         rail: 34.0,
         step: 4.0,
         drift: 500.0,
+        rough: 0.5,
     };
 
     /// Noise that differs from sample to sample.
@@ -268,6 +292,8 @@ mod tests {
             _ => (alive(sample) * 250.0 - Vec3::new(1.0, 1.0, 1.0)) * 35.0,
         };
         assert_eq!(after(200, garbage).0, Jumping);
+        let small = |sample: u32| alive(sample) * if sample < 100 { 1.0 } else { 200.0 };
+        assert_eq!(after(200, small).0, Jumping);
     }
 
     #[test]
