@@ -298,10 +298,14 @@ impl Sensing {
     ) -> Option<Vec3> {
         self.calibration.take_field(field);
         self.bias?;
+        // While motion is lost the estimate stands still: the field would follow it astray.
+        if self.lost {
+            return None;
+        }
         // Where the body is now, not where it was at the last run.
         let turned = self.arrival.motion().sums.angle;
         let attitude = attitude.turned_by(turned);
-        if self.bridged && !self.lost {
+        if self.bridged {
             self.bridged = false;
             let turn = self.heading.turn_to_field(attitude, field)?;
             self.vertical = self.vertical.turned_by(turn);

@@ -165,6 +165,37 @@ fn behind_a_gap_the_attitude_is_where_even_turning_leads() {
 }
 
 #[test]
+fn behind_a_gap_the_field_shows_how_far_the_body_tipped() {
+    let mut rig = flying(Policy::Reactive);
+    let earth = Vec3::new(0.2, 0.0, 0.4);
+    let see = |rig: &mut Rig, body: Quaternion| {
+        let sample = ChipSample {
+            input: Input::ChipMag,
+            axes: body.to_body(earth),
+            cause: Cause::Heartbeat,
+        };
+        let _ = rig.autopilot.on_chip(at_micros(rig.now), &sample);
+    };
+    let before = rig.autopilot.telemetry().attitude;
+    for _ in 0..5 {
+        rig.milliseconds(20, resting);
+        let here = rig.autopilot.telemetry().attitude;
+        see(&mut rig, here);
+    }
+    let tipped = before.turned_by(Vec3::new(0.2, -0.4, 0.0));
+    for _ in 0..30 {
+        rig.milliseconds(100, |_| None);
+        see(&mut rig, tipped);
+    }
+    rig.milliseconds(10, resting);
+    see(&mut rig, tipped);
+    rig.milliseconds(1, resting);
+    let [seen, is] = [rig.autopilot.telemetry().attitude, tipped].map(Quaternion::down_in_body);
+    let off = seen.cross(is).norm().to_degrees();
+    assert!(off < 8.0, "{off} of 26 degrees");
+}
+
+#[test]
 fn a_graph_that_goes_astray_begins_anew_and_nothing_freezes() {
     let mut rig = flying(Policy::Reactive);
     for round in 1..=3 {
