@@ -11,27 +11,31 @@ mod call;
 mod chips;
 mod demand;
 mod door;
+mod flight;
+mod notice;
 mod record;
 mod sensing;
 mod telemetry;
 
 pub use crate::reactive::{Next, Outcome, Reason};
 pub use call::{Call, CallRing, DecodeError, LONGEST_RECORD, RING_LENGTH, Ran, Recorder, Stamped};
+pub use demand::Silence;
 pub use door::{ChipAction, ChipOrder, ChipSetting, Fault, OrderError};
 pub use sensing::{Condition, Health};
 pub use telemetry::{Event, Events, RunCounts, Telemetry};
 
 use crate::airframe::Mixer;
+use crate::config::NOT_FINITE_LIMIT;
 use crate::control::Setpoint;
 use crate::estimate::{Motion, Place, in_small_turns};
 use crate::graph::{ControlLogic, Flown, Tuned};
-use crate::link::{Answer, Destination, ExternalPose, Message};
+use crate::link::{Answer, Destination, ExternalPose, Message, Notice};
 use crate::math::{Quaternion, Vec3, wrapped};
 use crate::reactive::{
     Column, FallbackReason, Fit, Foresight, Phase, PhaseEvent, Reactive, Refit, RefitJob, Review,
     Run, Situation, Sounding,
 };
-use crate::safety::{Arming, ArmingEvent, MotorOutput, Passed, Refusal, Safety};
+use crate::safety::{FlightEvent, FlightState, MotorOutput, Passed, Safety};
 use crate::sensors::{Cause, ChipSample, ImuReading, Input, Inputs};
 use crate::settings::{Settings, Start};
 use crate::time::Instant;
@@ -56,8 +60,8 @@ pub struct Autopilot<R, L = Flown> {
     safety: Safety,
     /// Whether it flies.
     airborne: Airborne,
-    /// The newest estimate that was sound, and how many were not since.
-    sound: (Quaternion, u8),
+    /// The newest estimate that was sound.
+    sound: Quaternion,
     /// Orders to the chips that compare by themselves.
     chips: Chips,
     /// What happened.
@@ -85,7 +89,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             graph,
             safety: Safety::new(motors),
             airborne: Airborne::default(),
-            sound: (Quaternion::IDENTITY, 0),
+            sound: Quaternion::IDENTITY,
             chips: Chips::new(&settings),
             record: Record::new(recorder),
         }
@@ -122,9 +126,11 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// Takes what the sensors say, runs the graph, passes the gate, learns.
     fn run(&mut self, now: Instant, reason: Reason) -> MotorOutput {
         self.check_silences(now);
+        self.sink(now);
         let motion = self.take_motion(now);
         self.propagate(now, &motion);
-        let passed = self.pass_gate();
+        self.watch_flight(now);
+        let passed = self.pass_gate(now);
         self.learn(now, reason, &motion, &passed);
         passed.output
     }
@@ -140,11 +146,11 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             Taken::Calibrating => return None,
             Taken::Turning => {
                 self.record.fault(Fault::Turning);
-                self.move_arming(ArmingEvent::ImuLost);
+                self.move_state(FlightEvent::ImuLost, at);
                 return None;
             }
             Taken::Lost => {
-                self.on_imu_lost();
+                self.on_imu_lost(at);
                 return self.is_calibrated().then_some(false);
             }
             Taken::Filtered {
@@ -156,10 +162,11 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
                     self.record.fault(Fault::ImuJump);
                 }
                 if turned.is_some() || rest.is_some() {
-                    self.realign(turned, rest);
+                    self.realign(at, turned, rest);
                 }
                 if self.reactive.is_blind() {
                     self.move_phase(PhaseEvent::ImuBack);
+                    self.move_state(FlightEvent::ImuBack, at);
                 }
             }
         }
@@ -170,7 +177,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     ///
     /// In flight the accelerometer feels the propellers' push, and says nothing about the vertical.
     #[inline(never)] // Rare.
-    fn realign(&mut self, turned: Option<Vec3>, rest: Option<Vec3>) {
+    fn realign(&mut self, at: Instant, turned: Option<Vec3>, rest: Option<Vec3>) {
         let estimate = self.graph.estimate();
         let bridged = turned.map(|turned| in_small_turns(estimate, turned));
         let standing = (!self.airborne.is_airborne()).then(|| self.sensing.force().0);
@@ -179,21 +186,12 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.graph.align(attitude);
         }
         if rest.is_some() {
-            self.move_arming(ArmingEvent::Calibrated);
+            self.move_state(FlightEvent::Calibrated, at);
         }
     }
 
     fn is_calibrated(&self) -> bool {
-        self.safety.arming() != Arming::Calibrating
-    }
-
-    /// No motion is known any more, or still.
-    fn on_imu_lost(&mut self) {
-        self.move_arming(ArmingEvent::ImuLost);
-        self.move_phase(PhaseEvent::Fail(FallbackReason::ImuLost));
-        if self.safety.arming() == Arming::Calibrating {
-            self.sensing.forget_calibration();
-        }
+        self.safety.state() != FlightState::Calibrating
     }
 
     /// Shows the filtered sample to its inputs, and what can be derived from it.
@@ -251,16 +249,24 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         let estimate = self.graph.estimate();
         let mut shares = self.graph.mixed().shares.iter();
         if estimate.is_finite() && shares.all(|share| share.is_finite()) {
-            self.sound = (estimate, 0);
+            self.sound = estimate;
         } else {
-            let (attitude, runs) = self.sound;
-            self.sound = (attitude, runs.saturating_add(1));
             self.record.fault(Fault::Command);
-            self.graph.restart(attitude);
+            // The gate still sees this command: it counts those in a row.
+            self.graph.restart(self.sound);
         }
     }
 
-    fn pass_gate(&mut self) -> Passed {
+    /// A command that is no number is passed over; several in a row cut the motors.
+    fn pass_gate(&mut self, now: Instant) -> Passed {
+        let passed = self.safety.pass(&self.graph.mixed().shares);
+        if passed.refused == 0 {
+            return passed;
+        }
+        if passed.refused < NOT_FINITE_LIMIT {
+            return passed;
+        }
+        self.move_state(FlightEvent::NotFinite, now);
         self.safety.pass(&self.graph.mixed().shares)
     }
 
@@ -358,22 +364,19 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// may be run by the other chip often enough that the failsafe never is.
     fn check_silences(&mut self, now: Instant) {
         if self.sensing.notice_silence(now) {
-            self.on_imu_silent();
+            self.record.fault(Fault::ImuSilent);
+            self.on_imu_lost(now);
         }
         for input in self.chips.notice_silence(now).iter() {
             self.record.fault(Fault::ChipSilent(input));
             self.on_chip_lost(input);
         }
-        let armed = self.safety.is_armed();
-        if let Some((aim, event)) = self.demand.after_silence(now, armed, &self.graph) {
-            self.fly(now, aim);
-            self.record.event(event);
-        }
+        self.check_demand(now);
     }
 
-    fn on_imu_silent(&mut self) {
-        self.record.fault(Fault::ImuSilent);
-        self.on_imu_lost();
+    fn on_imu_lost(&mut self, now: Instant) {
+        self.move_phase(PhaseEvent::Fail(FallbackReason::ImuLost));
+        self.move_state(FlightEvent::ImuLost, now);
     }
 
     // The chips that compare.
@@ -392,7 +395,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
                     let attitude = self.graph.estimate();
                     let turned = self.sensing.take_field(at, sample.axes, attitude, tell);
                     if turned.is_some() {
-                        self.realign(turned, None);
+                        self.realign(at, turned, None);
                     }
                 }
                 // What passed a threshold is no sample of the mean.
@@ -461,7 +464,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         match message {
             Message::Heartbeat => {}
             Message::Setpoint(setpoint) => self.on_setpoint(at, setpoint),
-            Message::Arm(arm) => return self.on_arm(*arm),
+            Message::Arm(arm) => return self.on_arm(at, arm),
+            Message::TestMotor(test) => return self.on_motor_test(at, test),
             Message::Pose(pose) => self.on_pose(at, pose),
             Message::Goal(destination) => self.on_goal(at, destination),
         }
@@ -478,8 +482,10 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         if Reactive::are_aerobatics(turning) {
             self.move_phase(PhaseEvent::Fail(FallbackReason::Aerobatics));
         }
-        self.fly(at, Aim::Setpoint(*setpoint));
-        self.reactive.take_setpoint(setpoint, first);
+        if self.obeys(at, first) {
+            self.fly(at, Aim::Setpoint(*setpoint));
+            self.reactive.take_setpoint(setpoint, first);
+        }
     }
 
     /// A goal joins: the next run flies to it. Past its quantum it forces one.
@@ -491,13 +497,17 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.record.fault(Fault::Goal);
             return;
         }
+        let first = self.demand.is_silent();
+        self.demand.take_goal(at);
+        if !self.obeys(at, first) {
+            return;
+        }
         self.advance(at);
         let before = self.graph.flown_to();
         // The heading at the beginning: one taken anew each time would turn with every error.
         let heading = before.map_or_else(|| self.graph.estimate().heading(), |goal| goal.heading);
         let goal = destination.goal(heading);
         self.fly(at, Aim::Goal(goal));
-        self.demand.take_goal(at);
         self.reactive.take_goal(before.as_ref(), &goal);
     }
 
@@ -540,65 +550,12 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             .on_joined(self.graph.mixed(), &self.sensing.motion());
     }
 
-    fn on_arm(&mut self, arm: bool) -> (Next, Option<Answer>) {
-        if !arm {
-            self.move_arming(ArmingEvent::Disarm);
-            // The motors stop now, not when the next sample comes.
-            self.reactive.force(Reason::Ground);
-            return (Next::Hyperperiod, Some(Answer::Accepted));
-        }
-        let moved = self.safety.arm(self.graph.estimate().down_in_body());
-        let answer = if self.settle_arming(moved) {
-            Answer::Accepted
-        } else {
-            Answer::TemporarilyRejected
-        };
-        (Next::Wait, Some(answer))
-    }
-
     // States.
 
     /// How the sensors do.
     #[must_use]
     pub fn health(&self) -> Health {
         self.sensing.health(self.graph.estimate())
-    }
-
-    /// How many runs in a row computed what is not finite.
-    #[must_use]
-    pub fn unsound_runs(&self) -> u8 {
-        self.sound.1
-    }
-
-    fn move_arming(&mut self, event: ArmingEvent) {
-        let moved = self.safety.on_event(event);
-        self.settle_arming(moved);
-    }
-
-    /// What a new arming state brings with it; false where it was refused.
-    fn settle_arming(&mut self, moved: Result<Option<Arming>, Refusal>) -> bool {
-        match moved {
-            Ok(Some(arming)) => {
-                self.record.event(Event::Arming(arming));
-                self.on_arming_changed(arming);
-            }
-            Ok(None) => {}
-            Err(refusal) => self.record.event(Event::Refused(refusal)),
-        }
-        moved.is_ok()
-    }
-
-    fn on_arming_changed(&mut self, arming: Arming) {
-        let event = match arming {
-            Arming::Armed => PhaseEvent::Armed,
-            Arming::Disarmed | Arming::Calibrating => {
-                // The next flight shall not begin with the thrust that this one ended with.
-                self.fly(self.record.clock(), Aim::Setpoint(Setpoint::default()));
-                self.demand.forget();
-                PhaseEvent::Disarmed
-            }
-        };
-        self.move_phase(event);
     }
 
     /// The chips compare with the thresholds of the models.
@@ -708,11 +665,22 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         self.record.events().pop()
     }
 
+    /// The oldest notice that waits to be told to the pilot; [`Self::on_told`] is the next step.
+    #[must_use]
+    pub fn notice(&self) -> Option<Notice> {
+        self.record.notice_due()
+    }
+
+    /// The pilot was told the oldest notice.
+    pub fn on_told(&mut self) {
+        self.record.on_told();
+    }
+
     /// The state in brief.
     #[must_use]
     pub fn telemetry(&self) -> Telemetry {
         Telemetry {
-            arming: self.safety.arming(),
+            state: self.safety.state(),
             phase: self.reactive.phase(),
             attitude: self.graph.estimate(),
             runs: self.reactive.runs(),

@@ -245,10 +245,9 @@ mod app {
     /// Tells the peer once a second that the drone is there, and its state.
     #[task(priority = 2, shared = [link, autopilot])]
     async fn heartbeat(cx: heartbeat::Context) {
-        let (mut link, mut autopilot) = (cx.shared.link, cx.shared.autopilot);
+        let (mut link, mut autopilot) = (Guarded(cx.shared.link), Piloted(cx.shared.autopilot));
         loop {
-            let state = autopilot.lock(|pilot| pilot.telemetry());
-            if let Some(counters) = link.lock(|link| link.beat(state.arming)) {
+            if let Some(counters) = link::beat(&mut Vectors, &mut link, &mut autopilot) {
                 defmt::warn!("link: {}", counters);
             }
             Mono::delay(link::BEAT).await;

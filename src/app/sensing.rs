@@ -106,6 +106,15 @@ pub(super) enum Taken {
     },
 }
 
+impl Health {
+    /// True where every sensor of motion is believed, and none contradicts another.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        let alive = [self.gyro, self.accel].map(|condition| condition == Condition::Alive);
+        alive == [true; 2] && self.flows && !self.contradicted && !self.apart
+    }
+}
+
 impl Sensing {
     pub(super) fn new(settings: &Settings) -> Self {
         Self {

@@ -5,7 +5,7 @@ use crate::airframe::MotorShares;
 use crate::config::{GEOMETRY, HYPERPERIOD, SETTINGS};
 use crate::control::Setpoint;
 use crate::graph::Cascade;
-use crate::link::{Answer, Message};
+use crate::link::{Answer, ArmCommand, Message};
 use crate::math::Vec3;
 use crate::reactive::{Fit, Refit};
 use crate::sensors::{Cause, GRAVITY, Input, Inputs};
@@ -13,9 +13,10 @@ use crate::settings::{Policy, WarmUp};
 use crate::time::{at_micros, micros, span};
 use crate::units::{BodyRates, SpecificForce, Thrust};
 
-use rig::{Rig, alive, breath, force, obeyed, resting};
+use rig::{Rig, alive, breath, felt, force, obeyed, resting};
 
 mod chips;
+mod flight;
 mod gaps;
 mod goals;
 mod rig;
@@ -45,11 +46,15 @@ fn it_refuses_to_arm_before_the_gyroscope_is_calibrated() {
     let mut rig = Rig::new(SETTINGS);
     rig.milliseconds(100, resting);
     assert_eq!(
-        rig.tell(&Message::Arm(true)),
+        rig.tell(&Message::Arm(ArmCommand::ARM)),
         Some(Answer::TemporarilyRejected)
     );
     rig.milliseconds(1000, resting);
-    assert_eq!(rig.tell(&Message::Arm(true)), Some(Answer::Accepted));
+    rig.fly_at(0.0);
+    assert_eq!(
+        rig.tell(&Message::Arm(ArmCommand::ARM)),
+        Some(Answer::Accepted)
+    );
 }
 
 #[test]
@@ -67,7 +72,7 @@ fn motors_stay_stopped_until_armed_and_stop_when_disarmed() {
             .iter()
             .all(|share| *share > 0.3)
     );
-    rig.tell(&Message::Arm(false));
+    rig.tell(&Message::Arm(ArmCommand::FORCED_DISARM));
     rig.milliseconds(10, resting);
     assert!(stopped(&rig.outputs.last().expect("runs").1));
 }
@@ -236,8 +241,8 @@ fn without_a_gyroscope_no_torque_is_held() {
 fn a_new_flight_does_not_begin_with_the_thrust_of_the_last() {
     let mut rig = Rig::armed(SETTINGS);
     rig.milliseconds(100, resting);
-    rig.tell(&Message::Arm(false));
-    rig.tell(&Message::Arm(true));
+    rig.tell(&Message::Arm(ArmCommand::FORCED_DISARM));
+    rig.tell(&Message::Arm(ArmCommand::ARM));
     rig.milliseconds(10, resting);
     let shares = rig.outputs.last().expect("runs").1;
     assert!(shares.iter().all(|share| *share < 0.1), "{shares:?}");
@@ -248,7 +253,9 @@ fn a_disarm_stops_the_motors_without_waiting_for_a_sample() {
     let mut rig = Rig::armed(SETTINGS);
     rig.milliseconds(100, resting);
     let now = at_micros(rig.now);
-    let (next, answer) = rig.autopilot.on_message(now, &Message::Arm(false));
+    let (next, answer) = rig
+        .autopilot
+        .on_message(now, &Message::Arm(ArmCommand::FORCED_DISARM));
     assert_eq!((next, answer), (Next::Hyperperiod, Some(Answer::Accepted)));
     let output = rig.autopilot.on_hyperperiod(now).expect("a run");
     assert!(stopped(&output.share()));
@@ -267,10 +274,10 @@ fn a_drone_on_its_side_is_not_armed() {
         let _ = rig.autopilot.on_hyperperiod(now);
     }
     assert_eq!(
-        rig.tell(&Message::Arm(true)),
+        rig.tell(&Message::Arm(ArmCommand::ARM)),
         Some(Answer::TemporarilyRejected)
     );
-    assert_eq!(rig.autopilot.telemetry().arming, Arming::Disarmed);
+    assert_eq!(rig.autopilot.telemetry().state, FlightState::Disarmed);
 }
 
 #[test]
@@ -280,11 +287,15 @@ fn a_gyroscope_lost_on_the_ground_is_calibrated_anew_and_from_the_start() {
     rig.milliseconds(500, |_| None);
     rig.milliseconds(100, resting);
     assert_eq!(
-        rig.tell(&Message::Arm(true)),
+        rig.tell(&Message::Arm(ArmCommand::ARM)),
         Some(Answer::TemporarilyRejected)
     );
     rig.milliseconds(600, resting);
-    assert_eq!(rig.tell(&Message::Arm(true)), Some(Answer::Accepted));
+    rig.fly_at(0.0);
+    assert_eq!(
+        rig.tell(&Message::Arm(ArmCommand::ARM)),
+        Some(Answer::Accepted)
+    );
 }
 
 #[test]
@@ -307,7 +318,7 @@ fn a_silent_peer_leaves_the_drone_level() {
     rig.milliseconds(3_000, gusty);
     let mut lost = false;
     while let Some(event) = rig.autopilot.next_event() {
-        lost |= event == Event::SetpointLost;
+        lost |= event == Event::Silent(Silence::Setpoint);
     }
     // The queue is short and full of runs: the setpoint itself shows it too.
     let level = rig.autopilot.graph.setpoint().attitude;

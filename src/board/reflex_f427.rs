@@ -27,6 +27,7 @@ pub use motors::Motors;
 use cortex_m::singleton;
 use embedded_hal_bus::util::AtomicCell;
 use reflex::airframe::Mixer;
+use reflex::config::LINK_WIRED;
 use reflex::sensors::Input;
 use reflex::tasks::link;
 use stm32f4xx_hal::dma::StreamsTuple;
@@ -127,7 +128,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     let mut imu_bus = Engine::new(streams.0, buffer);
     imu_bus.give_back(bus, None);
     watchdog.feed();
-    let link = Link::new(port, start.airframe.count());
+    let link = Link::new(port, LINK_WIRED, start.airframe.count());
     Board {
         imu_line,
         imu_bus,

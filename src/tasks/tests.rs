@@ -9,10 +9,12 @@ use super::*;
 use crate::app::{Autopilot, ChipOrder, ChipSetting, Fault, OrderError};
 use crate::config::SETTINGS;
 use crate::graph::Cascade;
-use crate::safety::MotorOutput;
+use crate::safety::{FlightState, MotorOutput};
 use crate::sensors::{Cause, Input};
 use crate::settings::Settings;
 use crate::time::{at_micros, micros};
+use mavlink::dialects::common::SETUP_SIGNING_DATA;
+use mavlink::{MAVLinkV2MessageRaw, MavHeader};
 use reflex_drivers::mpu6050::CHECKS;
 use reflex_drivers::orders::{Obeyed, Sample};
 
@@ -216,6 +218,26 @@ fn reports_of_the_sensor_become_samples_faults_and_repairs() {
 /// A port with these bytes to be taken, or one that lost some.
 struct Bytes(Result<Vec<u8>, Overrun>);
 
+/// A port with these bytes to be taken, that keeps what is sent.
+struct Talk {
+    heard: Vec<u8>,
+    said: Vec<Vec<u8>>,
+}
+
+impl Port for Talk {
+    fn take(&mut self, into: &mut [u8]) -> Result<usize, Overrun> {
+        let count = self.heard.len().min(into.len());
+        into[..count].copy_from_slice(&self.heard[..count]);
+        self.heard.drain(..count);
+        Ok(count)
+    }
+
+    fn send(&mut self, frame: &[u8]) -> Result<(), Overrun> {
+        self.said.push(frame.to_vec());
+        Ok(())
+    }
+}
+
 impl Port for Bytes {
     fn take(&mut self, into: &mut [u8]) -> Result<usize, Overrun> {
         let bytes = self.0.as_mut().map_err(|lost| *lost)?;
@@ -237,7 +259,7 @@ fn bytes_that_were_lost_are_a_fault() {
         (Ok(vec![0; 200]), None),
     ] {
         let (mut board, mut pilot) = (Noted::default(), pilot());
-        let mut link = Link::new(Bytes(bytes), 4);
+        let mut link = Link::new(Bytes(bytes), true, 4);
         receive(
             &mut board,
             &mut Unshared(&mut link),
@@ -245,6 +267,48 @@ fn bytes_that_were_lost_are_a_fault() {
         );
         let counted = pilot.faults(Fault::LinkOverrun) + pilot.faults(Fault::LinkFrame);
         assert_eq!(counted, u32::from(fault.is_some()));
+    }
+}
+
+#[test]
+fn a_signing_key_is_taken_over_a_cable_only() {
+    let setup = SETUP_SIGNING_DATA {
+        target_system: 1,
+        secret_key: [7; 32],
+        ..SETUP_SIGNING_DATA::DEFAULT
+    };
+    let mut frame = MAVLinkV2MessageRaw::new();
+    frame.serialize_message_data(MavHeader::default(), &setup);
+    for (wired, told) in [
+        (true, "signing key: set"),
+        (false, "signing key refused: not wired"),
+    ] {
+        let (mut board, mut pilot) = (Noted::default(), pilot());
+        let port = Talk {
+            heard: frame.raw_bytes().to_vec(),
+            said: Vec::new(),
+        };
+        let mut link = Link::new(port, wired, 4);
+        receive(
+            &mut board,
+            &mut Unshared(&mut link),
+            &mut Unshared(&mut pilot),
+        );
+        link.beat(at_micros(5), FlightState::Disarmed);
+        let [notice, beat] = &link.port().said[..] else {
+            panic!("a notice and a heartbeat");
+        };
+        assert_eq!(&notice[11..11 + told.len()], told.as_bytes());
+        // Frames of ours are signed, and others must be.
+        assert_eq!([notice[2], beat[2]], [u8::from(wired); 2]);
+        link.port().heard = frame.raw_bytes().to_vec();
+        receive(
+            &mut board,
+            &mut Unshared(&mut link),
+            &mut Unshared(&mut pilot),
+        );
+        assert_eq!(link.port().said.len(), if wired { 2 } else { 3 });
+        assert_eq!(pilot.faults(Fault::LinkFrame), u32::from(wired));
     }
 }
 

@@ -8,29 +8,30 @@ impl Recorder for Vec<Stamped> {
     }
 }
 
-/// A drone at rest that turns about roll at `rate` counts of a gyroscope with 16.4 per deg/s.
-fn turning(rate: i16) -> ImuReading {
-    let rate = f32::from(rate) * (core::f32::consts::PI / (180.0 * 16.4));
-    ImuReading {
-        rates: BodyRates(Vec3::new(rate, 0.0, 0.0)),
-        force: SpecificForce(Vec3::new(0.0, 0.0, -GRAVITY)),
-        temperature: 36.53,
-    }
-}
-
 /// The noise (counts) of an axis of a sensor that is alive, at an instant in us.
 pub fn breath(now: u64, axis: u64) -> f32 {
     let mixed = (now / 1000 * 3 + axis).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     (mixed >> 60) as f32 / 4.0 - 2.0
 }
 
-/// That drone, whose other axes are alive.
+/// What sensors that are alive read at an instant.
+pub fn felt(now: u64, rates: Vec3, force: Vec3) -> ImuReading {
+    let breath = |first| {
+        let [x, y, z] = [first, first + 1, first + 2].map(|axis| breath(now, axis));
+        Vec3::new(x, y, z)
+    };
+    ImuReading {
+        rates: BodyRates(rates + breath(0) * (core::f32::consts::PI / (180.0 * 16.4))),
+        force: SpecificForce(force + breath(3) * (GRAVITY / 2048.0)),
+        temperature: 36.53,
+    }
+}
+
+/// A drone at rest that turns about roll at `rate` counts of a gyroscope with 16.4 per deg/s.
 pub fn alive(rate: i16, now: u64) -> ImuReading {
-    let mut reading = turning(rate);
-    let count = core::f32::consts::PI / (180.0 * 16.4);
-    reading.rates.0 += Vec3::new(0.0, breath(now, 1), breath(now, 2)) * count;
-    let [x, y, z] = [3, 4, 5].map(|axis| breath(now, axis));
-    reading.force.0 += Vec3::new(x, y, z) * (GRAVITY / 2048.0);
+    let rate = f32::from(rate) * (core::f32::consts::PI / (180.0 * 16.4));
+    let mut reading = felt(now, Vec3::ZERO, Vec3::new(0.0, 0.0, -GRAVITY));
+    reading.rates.0.x = rate;
     reading
 }
 
@@ -98,17 +99,43 @@ impl<L: ControlLogic> Rig<L> {
         }
     }
 
-    /// The same, calibrated and armed, with a setpoint of half thrust.
+    /// The same, calibrated and armed, in the air with a setpoint of half thrust.
     pub fn readied(mut self) -> Self {
         self.milliseconds(600, resting);
-        self.tell(&Message::Setpoint(Setpoint::level(
-            Thrust::new(0.5).expect("in range"),
-        )));
-        assert_eq!(self.tell(&Message::Arm(true)), Some(Answer::Accepted));
+        self.fly_at(0.0);
+        assert_eq!(
+            self.tell(&Message::Arm(ArmCommand::ARM)),
+            Some(Answer::Accepted)
+        );
+        self.fly_at(0.5);
         self
     }
 
+    /// Lets time pass while a pilot holds it level at half thrust.
+    pub fn flown(&mut self, milliseconds: u64, mut rate: impl FnMut(u64) -> Option<i16>) {
+        for _ in 0..milliseconds / 500 {
+            self.fly_at(0.5);
+            self.milliseconds(500, &mut rate);
+        }
+    }
+
+    /// Tells it to fly level with a thrust.
+    pub fn fly_at(&mut self, thrust: f32) {
+        let thrust = Thrust::new(thrust).expect("in range");
+        self.tell(&Message::Setpoint(Setpoint::level(thrust)));
+    }
+
+    /// Lets time pass with readings of a drone at rest that turns; none where the sensor is silent.
     pub fn milliseconds(&mut self, count: u64, mut rate: impl FnMut(u64) -> Option<i16>) {
+        self.pass(count, |now| rate(now).map(|rate| alive(rate, now)));
+    }
+
+    /// Lets time pass with these readings.
+    pub fn readings(&mut self, count: u64, mut reading: impl FnMut(u64) -> ImuReading) {
+        self.pass(count, |now| Some(reading(now)));
+    }
+
+    fn pass(&mut self, count: u64, mut reading: impl FnMut(u64) -> Option<ImuReading>) {
         for _ in 0..count {
             self.now += 1000;
             let now = at_micros(self.now);
@@ -117,8 +144,8 @@ impl<L: ControlLogic> Rig<L> {
             {
                 self.outputs.push((self.now, output.share()));
             }
-            if let Some(rate) = rate(self.now)
-                && self.autopilot.on_imu(now, &alive(rate, self.now)) == Next::Hyperperiod
+            if let Some(reading) = reading(self.now)
+                && self.autopilot.on_imu(now, &reading) == Next::Hyperperiod
                 && let Some(output) = self.autopilot.on_hyperperiod(now)
             {
                 self.outputs.push((self.now, output.share()));

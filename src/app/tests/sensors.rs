@@ -127,7 +127,7 @@ fn five_samples_a_second_are_no_flow_and_silence_is_noticed_within_a_failsafe() 
         let from = rig.now;
         rig.milliseconds(101, |_| None);
         assert_eq!(rig.phase(), BLIND, "{policy:?}");
-        rig.milliseconds(2_000, |now| ((now - from) % 200_000 == 0).then_some(3));
+        rig.milliseconds(400, |now| ((now - from) % 200_000 == 0).then_some(3));
         assert_eq!(rig.phase(), BLIND, "{policy:?}");
         rig.milliseconds(12, gusty);
         assert_ne!(rig.phase(), BLIND, "{policy:?}");
@@ -144,7 +144,8 @@ fn five_samples_a_second_are_no_flow_and_silence_is_noticed_within_a_failsafe() 
 
 #[test]
 fn behind_a_gap_the_attitude_is_where_even_turning_leads() {
-    for gap in [50, 500, 1_000, 2_000] {
+    // Longer, and the motors are cut.
+    for gap in [50, 200, 400] {
         let mut rig = flying(Policy::Reactive);
         let turning = |now: u64| Some(600 + breath(now, 0) as i16);
         rig.milliseconds(100, turning);
@@ -183,7 +184,7 @@ fn behind_a_gap_the_field_shows_how_far_the_body_tipped() {
         see(&mut rig, here);
     }
     let tipped = before.turned_by(Vec3::new(0.2, -0.4, 0.0));
-    for _ in 0..30 {
+    for _ in 0..4 {
         rig.milliseconds(100, |_| None);
         see(&mut rig, tipped);
     }
@@ -203,7 +204,6 @@ fn a_graph_that_goes_astray_begins_anew_and_nothing_freezes() {
         rig.autopilot.logic().align(nowhere);
         rig.milliseconds(200, gusty);
         assert_eq!(rig.autopilot.faults(Fault::Command), round);
-        assert_eq!(rig.autopilot.unsound_runs(), 0);
         assert!(rig.autopilot.telemetry().attitude.is_finite());
     }
     let held = rig.outputs.last().expect("runs").1;
@@ -224,7 +224,7 @@ fn a_logic_that_stays_astray_counts_its_runs_in_a_row() {
     let logic = Cascade::new(gains, crate::airframe::Mixer::default());
     let mut rig = Rig::with_logic(SETTINGS, logic);
     rig.milliseconds(700, resting);
-    assert!(rig.autopilot.unsound_runs() > 100);
+    assert!(rig.autopilot.faults(Fault::Command) > 100);
 }
 
 #[test]
@@ -236,7 +236,11 @@ fn a_gyroscope_that_drifts_before_arming_is_learned_and_the_level_agrees_again()
     assert!(rig.autopilot.health().level_disagrees);
     rig.milliseconds(1_200, |now| Some(drift + breath(now, 0) as i16));
     assert!(!rig.autopilot.health().level_disagrees);
-    assert_eq!(rig.tell(&Message::Arm(true)), Some(Answer::Accepted));
+    rig.fly_at(0.0);
+    assert_eq!(
+        rig.tell(&Message::Arm(ArmCommand::ARM)),
+        Some(Answer::Accepted)
+    );
     let level = rig.autopilot.telemetry().attitude.down_in_body();
     assert!(level.z > 0.999);
 }
