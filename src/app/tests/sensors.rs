@@ -5,6 +5,9 @@ use crate::math::Quaternion;
 use crate::reactive::FallbackReason;
 use crate::sensors::ImuReading;
 
+/// Does something to a sample.
+type Spoil = fn(u64, &mut ImuReading);
+
 const BLIND: Phase = Phase::Fallback(FallbackReason::ImuLost);
 
 impl<L: ControlLogic> Rig<L> {
@@ -43,7 +46,7 @@ fn flying(policy: Policy) -> Rig {
 
 #[test]
 fn a_gyroscope_that_is_frozen_in_one_axis_or_all_is_lost_within_a_failsafe_under_every_policy() {
-    let freezes: [fn(u64, &mut ImuReading); 4] = [
+    let freezes: [Spoil; 4] = [
         |_, reading| reading.rates.0.x = 0.3,
         |_, reading| reading.rates.0.y = 0.0,
         |_, reading| reading.rates.0.z = -0.1,
@@ -64,7 +67,7 @@ fn a_gyroscope_that_is_frozen_in_one_axis_or_all_is_lost_within_a_failsafe_under
 
 #[test]
 fn an_accelerometer_that_fails_is_told_and_flown_without() {
-    let failures: [(Fault, fn(u64, &mut ImuReading)); 2] = [
+    let failures: [(Fault, Spoil); 2] = [
         (Fault::AccelFrozen, |_, reading| {
             reading.force.0 = Vec3::new(3.0, 0.0, -9.0)
         }),
@@ -109,7 +112,7 @@ fn bursts_of_full_scale_samples_are_dropped_and_counted() {
 
 #[test]
 fn garbage_and_a_rail_that_no_motion_reaches_are_lost_within_a_failsafe() {
-    let spoils: [fn(u64, &mut ImuReading); 2] = [
+    let spoils: [Spoil; 2] = [
         |now, reading| reading.rates.0.y = breath(now, 7) * 17.0,
         |_, reading| reading.rates.0 = Vec3::new(34.9, 34.9, 34.9),
     ];
@@ -127,14 +130,16 @@ fn five_samples_a_second_are_no_flow_and_silence_is_noticed_within_a_failsafe() 
         let from = rig.now;
         rig.milliseconds(101, |_| None);
         assert_eq!(rig.phase(), BLIND, "{policy:?}");
-        rig.milliseconds(400, |now| ((now - from) % 200_000 == 0).then_some(3));
+        rig.milliseconds(400, |now| {
+            ((now - from).is_multiple_of(200_000)).then_some(3)
+        });
         assert_eq!(rig.phase(), BLIND, "{policy:?}");
         rig.milliseconds(12, gusty);
         assert_ne!(rig.phase(), BLIND, "{policy:?}");
     }
     let mut rig = flying(Policy::Reactive);
     rig.milliseconds(500, |now| {
-        (now % 10_000 == 0).then_some((now / 10_000 % 5) as i16)
+        (now.is_multiple_of(10_000)).then_some((now / 10_000 % 5) as i16)
     });
     assert_eq!(
         (rig.phase(), rig.autopilot.faults(Fault::ImuStarved)),
