@@ -1,10 +1,10 @@
 //! Tests of the page: slices of each input, and runs at any spacing.
 
 use super::*;
-use crate::math::Vec3;
 use crate::control::Yaw;
 use crate::estimate::Motion;
 use crate::graph::tests::{settled, turning, visited};
+use crate::math::Vec3;
 use crate::sensors::GRAVITY;
 use crate::units::{Position, Thrust};
 use proptest::prelude::*;
