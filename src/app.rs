@@ -6,6 +6,7 @@
 //! A sample's way is `on_imu`, `on_hyperperiod` and `run` below: take, ask; then, where a run is
 //! due, estimate and control, gate, learn.
 
+mod airborne;
 mod call;
 mod chips;
 mod demand;
@@ -20,25 +21,27 @@ pub use crate::reactive::{Next, Outcome, Reason};
 pub use call::{Call, CallRing, DecodeError, LONGEST_RECORD, RING_LENGTH, Ran, Recorder, Stamped};
 pub use demand::Silence;
 pub use door::{ChipAction, ChipOrder, ChipSetting, Fault, OrderError};
+pub use sensing::{Condition, Health};
 pub use telemetry::{Event, Events, RunCounts, Telemetry};
 
 use crate::airframe::Mixer;
 use crate::battery::{Battery, BatteryReading, BatteryState};
 use crate::config::NOT_FINITE_LIMIT;
 use crate::control::Setpoint;
-use crate::estimate::{Followed, Motion, Place};
+use crate::estimate::{Followed, Motion, Place, in_small_turns};
 use crate::graph::{ControlLogic, Flown, Tuned};
 use crate::link::{Answer, Destination, ExternalPose, Message, Notice};
-use crate::math::wrapped;
+use crate::math::{Quaternion, Vec3, wrapped};
 use crate::reactive::{
     Column, FallbackReason, Fit, Foresight, Phase, PhaseEvent, Reactive, Refit, RefitJob, Review,
     Run, Situation, Sounding,
 };
 use crate::reset::Reset;
-use crate::safety::{FlightEvent, MotorOutput, Passed, Safety};
-use crate::sensors::{ChipSample, ImuReading, Input, Inputs};
+use crate::safety::{FlightEvent, FlightState, MotorOutput, Passed, Safety};
+use crate::sensors::{Cause, ChipSample, ImuReading, Input, Inputs};
 use crate::settings::{Settings, Start};
 use crate::time::Instant;
+use airborne::Airborne;
 use chips::Chips;
 use demand::{Aim, Demand};
 use record::Record;
@@ -57,6 +60,10 @@ pub struct Autopilot<R, L = Flown> {
     graph: L,
     /// Whether motors may turn, and the gate to them.
     safety: Safety,
+    /// Whether it flies.
+    airborne: Airborne,
+    /// The newest estimate that was sound.
+    sound: Quaternion,
     /// Orders to the chips that compare by themselves.
     chips: Chips,
     /// Why the board started.
@@ -87,6 +94,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             reactive: Reactive::new(&settings, &graph),
             graph,
             safety: Safety::new(motors),
+            airborne: Airborne::default(),
+            sound: Quaternion::IDENTITY,
             chips: Chips::new(&settings),
             reset: None,
             battery: Battery::default(),
@@ -126,7 +135,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     fn run(&mut self, now: Instant, reason: Reason) -> MotorOutput {
         self.check_silences(now);
         self.sink(now);
-        let motion = self.sensing.take_motion();
+        let motion = self.take_motion(now);
         self.propagate(now, &motion);
         self.watch_flight(now);
         let passed = self.pass_gate(now);
@@ -139,31 +148,58 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// Filters and sums a sample; `false` where it is not believed, `None` where it calibrates.
     fn take(&mut self, at: Instant, reading: &ImuReading) -> Option<bool> {
         let (armed, cutoff) = (self.safety.is_armed(), self.graph.derivative_cutoff());
-        match self.sensing.take(at, reading, armed, cutoff) {
+        let mut tell = |fault| self.record.fault(fault);
+        let taken = self.sensing.take(at, reading, armed, cutoff, &mut tell);
+        match taken {
             Taken::Calibrating => return None,
-            Taken::Calibrated(force) => {
-                self.graph.align(force);
-                self.move_state(FlightEvent::Calibrated, at);
+            Taken::Turning => {
+                self.record.fault(Fault::Turning);
+                self.move_state(FlightEvent::ImuLost, at);
                 return None;
             }
-            Taken::Stuck { now } => {
-                if now {
-                    self.record.fault(Fault::ImuStuck);
-                }
+            Taken::Lost => {
                 self.on_imu_lost(at);
-                return Some(false);
+                return self.is_calibrated().then_some(false);
             }
-            Taken::Filtered { jumped } => {
+            Taken::Filtered {
+                jumped,
+                turned,
+                rest,
+            } => {
+                if jumped {
+                    self.record.fault(Fault::ImuJump);
+                }
+                if turned.is_some() || rest.is_some() {
+                    self.realign(at, turned, rest);
+                }
                 if self.reactive.is_blind() {
                     self.move_phase(PhaseEvent::ImuBack);
                     self.move_state(FlightEvent::ImuBack, at);
                 }
-                if jumped {
-                    self.record.fault(Fault::ImuJump);
-                }
             }
         }
         Some(true)
+    }
+
+    /// The attitude is set behind a gap, in which the body turned, or at rest.
+    ///
+    /// In flight the accelerometer feels the propellers' push, and says nothing about the vertical.
+    #[inline(never)] // Rare.
+    fn realign(&mut self, at: Instant, turned: Option<Vec3>, rest: Option<Vec3>) {
+        let estimate = self.graph.estimate();
+        let bridged = turned.map(|turned| in_small_turns(estimate, turned));
+        let standing = (!self.airborne.is_airborne()).then(|| self.sensing.force().0);
+        let level = rest.or(standing).and_then(|force| estimate.levelled(force));
+        if let Some(attitude) = level.or(bridged) {
+            self.graph.align(attitude);
+        }
+        if rest.is_some() {
+            self.move_state(FlightEvent::Calibrated, at);
+        }
+    }
+
+    fn is_calibrated(&self) -> bool {
+        self.safety.state() != FlightState::Calibrating
     }
 
     /// Shows the filtered sample to its inputs, and what can be derived from it.
@@ -195,13 +231,37 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         }
     }
 
+    fn take_motion(&mut self, now: Instant) -> Motion {
+        self.sensing
+            .take_motion(now, &mut |fault| self.record.fault(fault))
+    }
+
     /// The graph takes the motion, estimates and controls.
     fn propagate(&mut self, now: Instant, motion: &Motion) {
         self.graph.go_blind(self.reactive.is_blind());
         self.graph.take(motion, self.sensing.heading_error(now));
         self.graph.run();
-        if !self.safety.is_armed() {
+        self.check_sound();
+        let (armed, thrust) = (self.safety.is_armed(), self.graph.collective().share());
+        self.airborne
+            .judge(now, armed, thrust, self.sensing.force().0);
+        if !armed {
             self.graph.reset_integrals();
+        } else if !self.airborne.is_airborne() {
+            self.graph.stand();
+        }
+    }
+
+    /// A graph with a value that is not finite begins anew where it last was sound.
+    fn check_sound(&mut self) {
+        let estimate = self.graph.estimate();
+        let mut shares = self.graph.mixed().shares.iter();
+        if estimate.is_finite() && shares.all(|share| share.is_finite()) {
+            self.sound = estimate;
+        } else {
+            self.record.fault(Fault::Command);
+            // The gate still sees this command: it counts those in a row.
+            self.graph.restart(self.sound);
         }
     }
 
@@ -211,7 +271,6 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         if passed.refused == 0 {
             return passed;
         }
-        self.record.fault(Fault::Command);
         if passed.refused < NOT_FINITE_LIMIT {
             return passed;
         }
@@ -273,7 +332,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// on how often control runs. Not inlined: in its many places it would cost 2 KiB.
     #[inline(never)]
     fn advance(&mut self, now: Instant) {
-        let motion = self.sensing.take_motion();
+        let motion = self.take_motion(now);
         if motion.sums.dt > 0.0 {
             self.graph.take(&motion, self.sensing.heading_error(now));
             self.graph.run();
@@ -307,10 +366,12 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         !self.sensing.overlooks_silence(now)
     }
 
-    /// When [`Self::on_timer`] is due next.
+    /// When [`Self::on_timer`] is due next: control runs no later, nor is silence noticed later.
     #[must_use]
     pub fn deadline(&self) -> Instant {
-        self.reactive.deadline()
+        let run = self.reactive.deadline();
+        let silence = self.sensing.silence_deadline();
+        silence.map_or(run, |silence| run.min(silence))
     }
 
     /// Checked in every run, whatever its reason: a drone that tumbles without its gyroscope
@@ -342,9 +403,22 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.record.fault(Fault::ChipStuck(sample.input));
             self.on_chip_lost(sample.input);
         }
-        if sample.input == Input::ChipMag && self.chips.delivering().contains(Input::ChipMag) {
-            self.sensing
-                .take_field(at, sample.axes, self.graph.estimate());
+        if self.chips.delivering().contains(sample.input) {
+            let tell = &mut |fault| self.record.fault(fault);
+            match sample.input {
+                Input::ChipMag => {
+                    let attitude = self.graph.estimate();
+                    let turned = self.sensing.take_field(at, sample.axes, attitude, tell);
+                    if turned.is_some() {
+                        self.realign(at, turned, None);
+                    }
+                }
+                // What passed a threshold is no sample of the mean.
+                Input::ChipAccel if sample.cause != Cause::Threshold => {
+                    self.sensing.take_other_force(at, sample.axes, tell);
+                }
+                _ => {}
+            }
         }
         let (command, tell) = (self.safety.applied(), self.record.labels());
         self.reactive.take_sample(at, sample, command, tell)
@@ -505,6 +579,12 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     }
 
     // States.
+
+    /// How the sensors do.
+    #[must_use]
+    pub fn health(&self) -> Health {
+        self.sensing.health(self.graph.estimate())
+    }
 
     /// The chips compare with the thresholds of the models.
     fn want_thresholds(&mut self) {

@@ -8,11 +8,13 @@ mod mahony;
 mod openpilot;
 mod place;
 mod track;
+mod vertical;
 
 pub use arrival::{Arrival, Increment, Motion, Rotation, trusted_down};
-pub use attitude::{AttitudeFilter, Corrections};
-pub use calibration::{AtRest, GyroCalibration};
+pub use attitude::{AttitudeFilter, Corrections, in_small_turns};
+pub use calibration::{AtRest, Calibrating, GyroCalibration, LARGEST_BIAS};
 pub use mahony::{Evidence, MahonyFilter};
 pub use openpilot::{OpenPilotFilter, Turned};
 pub use place::Place;
 pub use track::{Followed, Track};
+pub use vertical::Vertical;

@@ -45,6 +45,7 @@ use crate::logics::GainSet;
 use crate::progress::Progress;
 use crate::record::Counted;
 
+use chip_models::ZeroRate;
 use contention::Contention;
 pub use mission::Mission;
 use report::FlightReport;
@@ -149,13 +150,16 @@ pub struct FlyOptions {
     pub contention: Contention,
 }
 
-/// A drone that answers more strongly, or later: what gain and delay margins are measured with.
+/// A drone that answers more strongly or later, by which margins are measured, or whose gyroscope
+/// drifts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stress {
     /// How many times the angular acceleration that its motors give it.
     pub gain: f64,
     /// How much later motor commands apply, s.
     pub delay_s: f64,
+    /// What the gyroscope shows at rest.
+    pub zero_rate: ZeroRate,
 }
 
 impl Default for Stress {
@@ -164,6 +168,7 @@ impl Default for Stress {
         Self {
             gain: 1.0,
             delay_s: 0.0,
+            zero_rate: ZeroRate::default(),
         }
     }
 }

@@ -13,7 +13,7 @@ use reflex::control::{Goal, Setpoint};
 use reflex::dataflow::{Description, Dirty};
 use reflex::estimate::{Motion, Place};
 use reflex::graph::{self, ControlLogic, Tuned};
-use reflex::math::{Quaternion, Vec3};
+use reflex::math::Quaternion;
 use reflex::settings;
 use reflex::settings::gains::{self, Gains, LogicGains};
 use reflex::units::Thrust;
@@ -159,8 +159,16 @@ impl ControlLogic for AnyLogic {
         whichever!(self, logic => logic.derivative_cutoff())
     }
 
-    fn align(&mut self, force: Vec3) {
-        whichever!(self, logic => logic.align(force));
+    fn align(&mut self, attitude: Quaternion) {
+        whichever!(self, logic => logic.align(attitude));
+    }
+
+    fn restart(&mut self, attitude: Quaternion) {
+        whichever!(self, logic => logic.restart(attitude));
+    }
+
+    fn stand(&mut self) {
+        whichever!(self, logic => logic.stand());
     }
 
     fn reset_integrals(&mut self) {

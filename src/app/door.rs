@@ -18,10 +18,32 @@ numbered! {
         ImuJump,
         /// The inertial sensor's configuration is not what was written.
         ImuConfiguration,
-        /// No sample of the inertial sensor for two failsafe periods.
+        /// No sample of the inertial sensor for a failsafe period.
         ImuSilent,
-        /// The inertial sensor repeated one sample, bit by bit, for two failsafe periods.
-        ImuStuck,
+        /// Far fewer samples of the inertial sensor came than were due.
+        ImuStarved,
+        /// Samples of the inertial sensor that no motion explains were dropped.
+        ImuSpike,
+        /// An axis of the gyroscope repeats itself to the last bit.
+        GyroFrozen,
+        /// An axis of the gyroscope stays at the end of its range.
+        GyroRail,
+        /// The gyroscope jumps as no motion does.
+        GyroJumping,
+        /// An axis of the inertial sensor's accelerometer repeats itself to the last bit.
+        AccelFrozen,
+        /// An axis of that accelerometer stays at the end of its range.
+        AccelRail,
+        /// That accelerometer jumps as no motion does.
+        AccelJumping,
+        /// Gyroscope and accelerometer contradict each other about the vertical.
+        Implausible,
+        /// The accelerometers of both chips contradict each other.
+        AccelsApart,
+        /// The magnetic field is not Earth's, or jumped: the heading is free.
+        FieldBent,
+        /// What passed for the gyroscope's bias is turning: calibrated anew.
+        Turning,
         /// A run began a hyperperiod or more after it was due.
         LateRun,
         /// An order to a chip failed, on the bus or at the read-back.
@@ -32,7 +54,7 @@ numbered! {
         ChipStuck(Input in Input::OF_CHIPS),
         /// A setpoint, a goal, a pose or a model with a value that is not finite: not used.
         NotFinite,
-        /// The control logic computed a command that is not finite: the applied one stayed.
+        /// The control logic computed a command or an attitude that is not finite: it began anew.
         Command,
         /// The link's ring was overtaken: bytes were lost.
         LinkOverrun,

@@ -89,6 +89,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// What must be right before motors may turn.
     fn checks(&self, now: Instant) -> Checks {
         let calibrated = self.safety.state() != FlightState::Calibrating;
+        let health = self.health();
         let down = self.graph.estimate().down_in_body();
         let rates = self.sensing.motion().rotation.rates.0;
         let force = self.sensing.force().0.norm();
@@ -97,7 +98,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         let thrust = self.graph.flown().thrust.share();
         Checks::NONE
             .and(Check::Calibration, calibrated)
-            .and(Check::Imu, !self.sensing.is_silent())
+            .and(Check::Imu, health.is_sound())
+            .and(Check::Level, !health.level_disagrees)
             .and(Check::Configuration, self.record.are_sensors_sound(now))
             .and(Check::Still, rates.max_norm() <= ARMING_RATE)
             .and(

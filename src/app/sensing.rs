@@ -1,28 +1,89 @@
-//! What the sensors say: bias, motion since the last run, heading, signs of life.
+//! What the sensors say: bias, motion since the last run, heading, and which are believed.
+//!
+//! | wrong is | then |
+//! |---|---|
+//! | the gyroscope, or the flow of samples | no motion is known: [`Taken::Lost`] |
+//! | the accelerometer | gravity as the gyroscope turns it stands for it |
+//! | one against the other | told: two cannot say which; see [`Health::contradicted`] |
+//! | the accelerometers of two chips, against each other | the one that is further from 1 g |
+//! | the field | the heading is free |
 
+mod accels;
+mod flow;
 mod heading;
-mod liveness;
+mod signal;
 
-use crate::estimate::{Arrival, GyroCalibration, Motion};
+use super::door::Fault;
+use crate::estimate::{Arrival, Calibrating, GyroCalibration, Motion, Vertical};
 use crate::math::{Quaternion, Vec3};
-use crate::sensors::{ImuReading, ImuSample};
+use crate::sensors::{GRAVITY, ImuReading, ImuSample};
 use crate::settings::Settings;
-use crate::time::{Duration, Instant};
+use crate::time::{Duration, Instant, micros, seconds, span};
 use crate::units::{BodyRates, SpecificForce};
+use accels::Accels;
+use flow::Flow;
 use heading::Heading;
-use liveness::{Liveness, Sign, Silence};
+pub use signal::Condition;
+use signal::{Judged, Range, Signal};
+
+/// Of rates, in rad/s: the range ends at 2000 deg/s; a spinning body comes to 500 rad/s2.
+const RATES: Range = Range {
+    rail: 34.7,
+    step: 4.0,
+    drift: 500.0,
+    rough: 0.5,
+};
+/// Of forces, in m/s2: the range ends at 16 g.
+const FORCES: Range = Range {
+    rail: 155.0,
+    step: 60.0,
+    drift: 2_000.0,
+    rough: 15.0,
+};
+/// Behind a longer gap (s) the time between is not summed.
+const GAP: f32 = 0.02;
+/// The longest gap that rates at its ends say something about.
+const LONGEST_BRIDGE: Duration = micros(5_000_000);
+/// Tilt (sine) between estimate and gravity at rest beyond which they disagree: 6 degrees.
+const LEVEL: f32 = 0.1;
 
 /// The way of samples before they reach the control logic.
 #[derive(Debug)]
 pub(super) struct Sensing {
     calibration: GyroCalibration,
     bias: Option<BodyRates>,
+    gyro: Signal,
+    accel: Signal,
+    flow: Flow,
     arrival: Arrival,
+    vertical: Vertical,
+    accels: Accels,
     heading: Heading,
-    liveness: Liveness,
-    silence: Silence,
-    /// How long the gyroscope may be silent or repeat itself.
+    /// The newest sample was not believed.
+    lost: bool,
+    /// Motion was bridged over a gap, and the field did not show yet what became of the attitude.
+    bridged: bool,
+    /// How long the gating sensor may be silent.
     patience: Duration,
+}
+
+/// How the sensors do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Health {
+    /// The gyroscope, by itself.
+    pub gyro: Condition,
+    /// The gating accelerometer, by itself.
+    pub accel: Condition,
+    /// Samples come, and often enough.
+    pub flows: bool,
+    /// Gyroscope and accelerometer contradict each other; two cannot say which is wrong.
+    pub contradicted: bool,
+    /// The accelerometers of both chips contradict each other.
+    pub apart: bool,
+    /// A bent field is not followed.
+    pub heading_free: bool,
+    /// Tilt of the estimate and of the force felt differ: at rest, one of them is wrong.
+    pub level_disagrees: bool,
 }
 
 /// What became of a sample of the inertial sensor.
@@ -30,18 +91,28 @@ pub(super) struct Sensing {
 pub(super) enum Taken {
     /// The drone has not stood still for long enough yet.
     Calibrating,
-    /// The bias is known now; the mean specific force at rest, in m/s2.
-    Calibrated(Vec3),
-    /// While armed the sensor repeats itself; noticed `now`, or earlier.
-    Stuck {
-        /// It was noticed with this sample.
-        now: bool,
-    },
+    /// What passed for a bias is turning: the drone is not at rest.
+    Turning,
+    /// No motion is known.
+    Lost,
     /// Filtered and summed.
     Filtered {
         /// The stamp went back, or came late: the time between is not integrated.
         jumped: bool,
+        /// The first behind a gap: how far the body turned meanwhile, rad in body axes.
+        turned: Option<Vec3>,
+        /// The bias was measured; the mean specific force at rest, in m/s2.
+        rest: Option<Vec3>,
     },
+}
+
+impl Health {
+    /// True where every sensor of motion is believed, and none contradicts another.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        let alive = [self.gyro, self.accel].map(|condition| condition == Condition::Alive);
+        alive == [true; 2] && self.flows && !self.contradicted && !self.apart
+    }
 }
 
 impl Sensing {
@@ -49,49 +120,108 @@ impl Sensing {
         Self {
             calibration: GyroCalibration::default(),
             bias: None,
+            gyro: Signal::default(),
+            accel: Signal::default(),
+            flow: Flow::default(),
             arrival: Arrival::default(),
+            vertical: Vertical::default(),
+            accels: Accels::default(),
             heading: Heading::default(),
-            liveness: Liveness::default(),
-            silence: Silence::default(),
-            patience: settings.failsafe * 2,
+            lost: false,
+            bridged: false,
+            patience: settings.failsafe,
         }
     }
 
-    /// Calibrates with a sample, or filters and sums it.
+    /// Judges a sample, then calibrates with it, or filters and sums it; tells what it noticed.
     ///
-    /// A sensor that repeats itself is an emergency only while `armed`. `derivative_cutoff` is the
-    /// corner (Hz) of the filter behind the angular acceleration.
+    /// While the drone is not `armed` its bias is measured anew whenever it stands still.
+    /// `derivative_cutoff` is the corner (Hz) of the filter behind the angular acceleration.
     pub(super) fn take(
         &mut self,
         at: Instant,
         reading: &ImuReading,
         armed: bool,
         derivative_cutoff: f32,
+        tell: &mut impl FnMut(Fault),
     ) -> Taken {
-        self.silence.end(at);
-        let &ImuReading { rates, force, .. } = reading;
-        let Some(bias) = self.bias else {
-            return self.calibrate(&ImuSample { at, rates, force });
-        };
-        let sign = self.liveness.take(at, reading, self.patience);
-        if armed && sign != Sign::Alive {
-            return Taken::Stuck {
-                now: sign == Sign::Stuck,
-            };
+        let heard = self.flow.take(at, self.patience);
+        let gyro = self.gyro.take(reading.rates.0, heard.dt, &RATES);
+        let accel = self.accel.take(reading.force.0, heard.dt, &FORCES);
+        if heard.starved || gyro.is_news() || accel.is_news() {
+            tell_news(heard.starved, &gyro, &accel, tell);
         }
-        let rates = BodyRates(rates.0 - bias.0);
+        if !self.flow.flows() || self.gyro.condition() != Condition::Alive {
+            self.lost = true;
+            self.calibration = GyroCalibration::default();
+            return Taken::Lost;
+        }
+        let force = SpecificForce(self.believed(accel.value));
+        let raw = ImuSample {
+            at,
+            rates: BodyRates(gyro.value),
+            force,
+        };
+        let mut rest = None;
+        if !armed {
+            match self.calibrate(&raw) {
+                Calibrating::Found(found) => rest = Some(found.force),
+                Calibrating::Turning => return Taken::Turning,
+                Calibrating::Waiting => {}
+            }
+        }
+        let Some(bias) = self.bias else {
+            return Taken::Calibrating;
+        };
+        let rates = BodyRates(gyro.value - bias.0 - self.vertical.drift());
+        let before = (self.lost || heard.dt > GAP).then(|| self.arrival.newest());
         let sample = ImuSample { at, rates, force };
         let jumped = !self.arrival.take(&sample, derivative_cutoff);
-        Taken::Filtered { jumped }
+        let turned = before.flatten().map(|before| self.bridge(before, at));
+        Taken::Filtered {
+            jumped,
+            turned,
+            rest,
+        }
+    }
+
+    /// The force that is believed: that of gravity, where the accelerometer is not.
+    fn believed(&self, force: Vec3) -> Vec3 {
+        if self.trusts_force() {
+            force
+        } else {
+            self.vertical.down() * -GRAVITY
+        }
+    }
+
+    fn trusts_force(&self) -> bool {
+        self.accel.condition() == Condition::Alive && self.accels.trusts_first()
+    }
+
+    /// How far the body turned over a gap, in rad: no torque changes its rates but evenly.
+    #[inline(never)] // Rare.
+    fn bridge(&mut self, (since, before): (Instant, BodyRates), at: Instant) -> Vec3 {
+        self.lost = false;
+        self.bridged = true;
+        let gap = seconds(span(since, at).min(LONGEST_BRIDGE));
+        let turned = (before.0 + self.arrival.rates().0) * (0.5 * gap);
+        self.vertical = self.vertical.turned_by(turned);
+        self.heading.allow_jump();
+        turned
     }
 
     #[inline(never)] // On the ground only.
-    fn calibrate(&mut self, sample: &ImuSample) -> Taken {
-        let Some(found) = self.calibration.take(sample) else {
-            return Taken::Calibrating;
-        };
-        self.bias = Some(found.bias);
-        Taken::Calibrated(found.force)
+    fn calibrate(&mut self, sample: &ImuSample) -> Calibrating {
+        let calibrating = self.calibration.take(sample);
+        match calibrating {
+            Calibrating::Found(found) => {
+                self.bias = Some(found.bias);
+                self.vertical = self.vertical.at_rest(found.force);
+            }
+            Calibrating::Turning => self.bias = None,
+            Calibrating::Waiting => {}
+        }
+        calibrating
     }
 
     /// The next samples calibrate anew, from the start.
@@ -100,20 +230,42 @@ impl Sensing {
         self.calibration = GyroCalibration::default();
     }
 
-    /// True once per silence of the inertial sensor.
-    pub(super) fn notice_silence(&mut self, now: Instant) -> bool {
-        self.silence.notice(now, self.patience)
+    /// How the sensors do, beside the attitude that is estimated from them.
+    pub(super) fn health(&self, attitude: Quaternion) -> Health {
+        Health {
+            gyro: self.gyro.condition(),
+            accel: self.accel.condition(),
+            flows: self.flow.flows(),
+            contradicted: self.vertical.is_contradicted(),
+            apart: self.accels.are_apart(),
+            heading_free: self.heading.is_free(),
+            level_disagrees: self.level_disagrees(attitude),
+        }
     }
 
-    /// True while the inertial sensor is silent.
-    pub(super) fn is_silent(&self) -> bool {
-        self.silence.lasts()
+    fn level_disagrees(&self, attitude: Quaternion) -> bool {
+        let (up, down) = (self.arrival.force().0, attitude.down_in_body());
+        let wrong_way = up.dot(down) > 0.0;
+        wrong_way || up.cross(down).norm() > LEVEL * up.norm()
+    }
+
+    /// True once per silence of the inertial sensor.
+    pub(super) fn notice_silence(&mut self, now: Instant) -> bool {
+        let noticed = self.flow.notice(now, self.patience);
+        self.lost |= noticed;
+        noticed
+    }
+
+    /// When a silence of the inertial sensor is to be noticed; `None` while one lasts.
+    pub(super) fn silence_deadline(&self) -> Option<Instant> {
+        self.flow.deadline(self.patience)
     }
 
     /// True where the inertial sensor has been silent for so long that a run must have noticed,
     /// and none did.
     pub(super) fn overlooks_silence(&self, now: Instant) -> bool {
-        self.silence.is_overlooked(now, self.patience * 2)
+        let due = self.flow.deadline(self.patience * 2);
+        due.is_some_and(|due| now > due)
     }
 
     /// What a run would take now.
@@ -121,9 +273,15 @@ impl Sensing {
         self.arrival.motion()
     }
 
-    /// What a run takes; the sums begin anew.
-    pub(super) fn take_motion(&mut self) -> Motion {
-        self.arrival.take_motion()
+    /// What a run takes; the sums begin anew. Tells of a contradiction that it shows.
+    pub(super) fn take_motion(&mut self, now: Instant, tell: &mut impl FnMut(Fault)) -> Motion {
+        let motion = self.arrival.take_motion();
+        let before = self.vertical.is_contradicted();
+        self.vertical = self.vertical.after(&motion.sums, self.heading.error(now));
+        if self.vertical.is_contradicted() && !before {
+            tell(Fault::Implausible);
+        }
+        motion
     }
 
     /// The filtered specific force.
@@ -131,14 +289,48 @@ impl Sensing {
         self.arrival.force()
     }
 
-    /// Takes the magnetic field (gauss, body axes), with the attitude of the last run.
-    pub(super) fn take_field(&mut self, at: Instant, field: Vec3, attitude: Quaternion) {
-        if self.bias.is_some() {
-            // Where the body is now, not where it was at the last run.
-            let turned = self.arrival.motion().sums.angle;
-            let earth = attitude.turned_by(turned).to_earth(field);
-            self.heading.take_field(at, earth);
+    /// Takes a force (m/s2) that the other accelerometer felt.
+    pub(super) fn take_other_force(
+        &mut self,
+        at: Instant,
+        force: Vec3,
+        tell: &mut impl FnMut(Fault),
+    ) {
+        if self.accels.take(at, self.accel.newest(), force) {
+            tell(Fault::AccelsApart);
         }
+    }
+
+    /// Takes the magnetic field (gauss, body axes), with the attitude of the last run.
+    ///
+    /// Behind a gap, how far that attitude is to be turned: rates at its ends say less than the
+    /// field, which in a steady fall through the air is the only one to see a tilt.
+    pub(super) fn take_field(
+        &mut self,
+        at: Instant,
+        field: Vec3,
+        attitude: Quaternion,
+        tell: &mut impl FnMut(Fault),
+    ) -> Option<Vec3> {
+        self.calibration.take_field(field);
+        self.bias?;
+        // While motion is lost the estimate stands still: the field would follow it astray.
+        if self.lost {
+            return None;
+        }
+        // Where the body is now, not where it was at the last run.
+        let turned = self.arrival.motion().sums.angle;
+        let attitude = attitude.turned_by(turned);
+        if self.bridged {
+            self.bridged = false;
+            let turn = self.heading.turn_to_field(attitude, field)?;
+            self.vertical = self.vertical.turned_by(turn);
+            return Some(turn);
+        }
+        if self.heading.take_field(at, attitude.to_earth(field)) {
+            tell(Fault::FieldBent);
+        }
+        None
     }
 
     /// Takes the error (rad) that an external pose shows; it leads before the magnetometer.
@@ -149,5 +341,34 @@ impl Sensing {
     /// The error of the heading (rad), while it is fresh.
     pub(super) fn heading_error(&self, now: Instant) -> Option<f32> {
         self.heading.error(now)
+    }
+}
+
+/// Tells what a sample showed for the first time.
+#[cold]
+#[inline(never)]
+fn tell_news(starved: bool, gyro: &Judged, accel: &Judged, tell: &mut impl FnMut(Fault)) {
+    if starved {
+        tell(Fault::ImuStarved);
+    }
+    for (judged, [frozen, rail, jumping]) in [
+        (
+            gyro,
+            [Fault::GyroFrozen, Fault::GyroRail, Fault::GyroJumping],
+        ),
+        (
+            accel,
+            [Fault::AccelFrozen, Fault::AccelRail, Fault::AccelJumping],
+        ),
+    ] {
+        match judged.changed {
+            Some(Condition::Frozen) => tell(frozen),
+            Some(Condition::AtRail) => tell(rail),
+            Some(Condition::Jumping) => tell(jumping),
+            Some(Condition::Alive) | None => {}
+        }
+        if judged.spike {
+            tell(Fault::ImuSpike);
+        }
     }
 }

@@ -10,18 +10,19 @@ use crate::link::{Answer, ArmCommand, Message};
 use crate::math::Vec3;
 use crate::reactive::{Fit, Refit};
 use crate::reset::{Ending, LastWords, Mode, Reset, ResetCause};
-use crate::sensors::{Cause, GRAVITY, ImuReading, Input, Inputs};
+use crate::sensors::{Cause, GRAVITY, Input, Inputs};
 use crate::settings::{Policy, WarmUp};
 use crate::time::{at_micros, micros, span};
 use crate::units::{BodyRates, SpecificForce, Thrust};
 
-use rig::{Rig, force, obeyed, turning};
+use rig::{Rig, alive, breath, felt, force, obeyed, resting};
 
 mod chips;
 mod flight;
 mod gaps;
 mod goals;
 mod rig;
+mod sensors;
 mod supervision;
 
 /// A gust every quarter second over a little noise, in counts.
@@ -45,12 +46,12 @@ fn short_warm_up() -> Settings {
 #[test]
 fn it_refuses_to_arm_before_the_gyroscope_is_calibrated() {
     let mut rig = Rig::new(SETTINGS);
-    rig.milliseconds(100, |_| Some(0));
+    rig.milliseconds(100, resting);
     assert_eq!(
         rig.tell(&Message::Arm(ArmCommand::ARM)),
         Some(Answer::TemporarilyRejected)
     );
-    rig.milliseconds(1000, |_| Some(0));
+    rig.milliseconds(1000, resting);
     rig.fly_at(0.0);
     assert_eq!(
         rig.tell(&Message::Arm(ArmCommand::ARM)),
@@ -61,10 +62,10 @@ fn it_refuses_to_arm_before_the_gyroscope_is_calibrated() {
 #[test]
 fn motors_stay_stopped_until_armed_and_stop_when_disarmed() {
     let mut rig = Rig::new(SETTINGS);
-    rig.milliseconds(1000, |_| Some(0));
+    rig.milliseconds(1000, resting);
     assert!(rig.outputs.iter().all(|(_, shares)| stopped(shares)));
     let mut rig = Rig::armed(SETTINGS);
-    rig.milliseconds(10, |_| Some(0));
+    rig.milliseconds(10, resting);
     assert!(
         rig.outputs
             .last()
@@ -74,7 +75,7 @@ fn motors_stay_stopped_until_armed_and_stop_when_disarmed() {
             .all(|share| *share > 0.3)
     );
     rig.tell(&Message::Arm(ArmCommand::FORCED_DISARM));
-    rig.milliseconds(10, |_| Some(0));
+    rig.milliseconds(10, resting);
     assert!(stopped(&rig.outputs.last().expect("runs").1));
 }
 
@@ -241,10 +242,10 @@ fn without_a_gyroscope_no_torque_is_held() {
 #[test]
 fn a_new_flight_does_not_begin_with_the_thrust_of_the_last() {
     let mut rig = Rig::armed(SETTINGS);
-    rig.milliseconds(100, |_| Some(0));
+    rig.milliseconds(100, resting);
     rig.tell(&Message::Arm(ArmCommand::FORCED_DISARM));
     rig.tell(&Message::Arm(ArmCommand::ARM));
-    rig.milliseconds(10, |_| Some(0));
+    rig.milliseconds(10, resting);
     let shares = rig.outputs.last().expect("runs").1;
     assert!(shares.iter().all(|share| *share < 0.1), "{shares:?}");
 }
@@ -252,7 +253,7 @@ fn a_new_flight_does_not_begin_with_the_thrust_of_the_last() {
 #[test]
 fn a_disarm_stops_the_motors_without_waiting_for_a_sample() {
     let mut rig = Rig::armed(SETTINGS);
-    rig.milliseconds(100, |_| Some(0));
+    rig.milliseconds(100, resting);
     let now = at_micros(rig.now);
     let (next, answer) = rig
         .autopilot
@@ -265,13 +266,12 @@ fn a_disarm_stops_the_motors_without_waiting_for_a_sample() {
 #[test]
 fn a_drone_on_its_side_is_not_armed() {
     let mut rig = Rig::new(SETTINGS);
-    let on_its_side = ImuReading {
-        force: SpecificForce(Vec3::new(0.0, -GRAVITY, 0.0)),
-        ..turning(0)
-    };
     for _ in 0..1000 {
         rig.now += 1000;
         let now = at_micros(rig.now);
+        let mut on_its_side = alive(0, rig.now);
+        on_its_side.rates.0.x = breath(rig.now, 0) * 1e-3;
+        on_its_side.force.0 += Vec3::new(0.0, -GRAVITY, GRAVITY);
         let _ = rig.autopilot.on_imu(now, &on_its_side);
         let _ = rig.autopilot.on_hyperperiod(now);
     }
@@ -279,19 +279,20 @@ fn a_drone_on_its_side_is_not_armed() {
         rig.tell(&Message::Arm(ArmCommand::ARM)),
         Some(Answer::TemporarilyRejected)
     );
+    assert_eq!(rig.autopilot.telemetry().state, FlightState::Disarmed);
 }
 
 #[test]
 fn a_gyroscope_lost_on_the_ground_is_calibrated_anew_and_from_the_start() {
     let mut rig = Rig::new(SETTINGS);
-    rig.milliseconds(1_000, |_| Some(0));
+    rig.milliseconds(1_000, resting);
     rig.milliseconds(500, |_| None);
-    rig.milliseconds(100, |_| Some(0));
+    rig.milliseconds(100, resting);
     assert_eq!(
         rig.tell(&Message::Arm(ArmCommand::ARM)),
         Some(Answer::TemporarilyRejected)
     );
-    rig.milliseconds(600, |_| Some(0));
+    rig.milliseconds(600, resting);
     rig.fly_at(0.0);
     assert_eq!(
         rig.tell(&Message::Arm(ArmCommand::ARM)),

@@ -50,15 +50,10 @@ pub struct DriftFilter {
 }
 
 impl DriftFilter {
-    /// Starts from a mean specific force at rest (m/s2, body axes), heading zero.
-    ///
-    /// A force too small to show the vertical leaves the estimate as it is.
+    /// The same estimate at another attitude; what was learned stays.
     #[must_use]
-    pub fn aligned(&self, force: Vec3) -> Self {
-        Self {
-            attitude: Quaternion::from_up(force).unwrap_or(self.attitude),
-            ..*self
-        }
+    pub fn turned_to(&self, attitude: Quaternion) -> Self {
+        Self { attitude, ..*self }
     }
 
     /// The estimate.
@@ -164,7 +159,8 @@ mod tests {
 
     #[test]
     fn a_tilted_estimate_levels_while_gravity_is_seen() {
-        let mut filter = DriftFilter::default().aligned(Vec3::new(2.0, -1.0, -9.0));
+        let mut filter = DriftFilter::default()
+            .turned_to(Quaternion::from_up(Vec3::new(2.0, -1.0, -9.0)).expect("up"));
         for _ in 0..1000 {
             filter = filter.after(&still(0.05), None, &GAINS.estimate);
         }
@@ -202,7 +198,8 @@ mod tests {
 
     #[test]
     fn without_time_nothing_advances() {
-        let filter = DriftFilter::default().aligned(Vec3::new(2.0, -1.0, -9.0));
+        let filter = DriftFilter::default()
+            .turned_to(Quaternion::from_up(Vec3::new(2.0, -1.0, -9.0)).expect("up"));
         assert_eq!(
             filter.after(&Increment::default(), Some(1.0), &GAINS.estimate),
             filter
@@ -212,7 +209,7 @@ mod tests {
     proptest! {
         #[test]
         fn a_rare_step_levels_as_far_as_frequent_ones(x in -4.0f32..4.0, y in -4.0f32..4.0) {
-            let begun = DriftFilter::default().aligned(Vec3::new(x, y, -9.0));
+            let begun = DriftFilter::default().turned_to(Quaternion::from_up(Vec3::new(x, y, -9.0)).expect("up"));
             let often = (0..100).fold(begun, |filter, _| filter.after(&still(0.001), None, &GAINS.estimate));
             let rarely = begun.after(&still(0.1), None, &GAINS.estimate);
             let apart = often.attitude().error_to(rarely.attitude()).max_norm();

@@ -152,6 +152,12 @@ impl Arrival {
         motion
     }
 
+    /// The newest sample's stamp, and the filtered rates behind it.
+    #[must_use]
+    pub fn newest(&self) -> Option<(Instant, BodyRates)> {
+        self.last.map(|at| (at, self.rates()))
+    }
+
     /// The filtered rates.
     #[must_use]
     pub fn rates(&self) -> BodyRates {

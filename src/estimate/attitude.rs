@@ -22,12 +22,9 @@ pub struct AttitudeFilter {
 }
 
 impl AttitudeFilter {
-    /// Starts from a mean specific force at rest (m/s2, body axes), heading zero.
-    ///
-    /// A force too small to show the vertical leaves the estimate as it is.
+    /// The same estimate at another attitude; what was learned stays.
     #[must_use]
-    pub fn aligned(&self, force: Vec3) -> Self {
-        let attitude = Quaternion::from_up(force).unwrap_or(self.attitude);
+    pub fn turned_to(&self, attitude: Quaternion) -> Self {
         Self { attitude }
     }
 
@@ -92,7 +89,8 @@ pub(super) fn turned(attitude: Quaternion, motion: &Increment, correction: Vec3)
 }
 
 /// Turns in steps that the small-angle formula is exact for.
-pub(super) fn in_small_turns(attitude: Quaternion, turn: Vec3) -> Quaternion {
+#[must_use]
+pub fn in_small_turns(attitude: Quaternion, turn: Vec3) -> Quaternion {
     const LARGEST: f32 = 0.25;
     const MOST: u8 = 16;
     let size = turn.max_norm();
@@ -139,7 +137,7 @@ mod tests {
     #[test]
     fn a_tilted_estimate_levels_while_gravity_is_seen() {
         let mut filter = AttitudeFilter::default();
-        filter = filter.aligned(Vec3::new(2.0, -1.0, -9.0));
+        filter = filter.turned_to(Quaternion::from_up(Vec3::new(2.0, -1.0, -9.0)).expect("up"));
         for _ in 0..20_000 {
             filter = filter.stepped(&still(0.001), None, &SPEED);
         }
@@ -174,7 +172,7 @@ mod tests {
     #[test]
     fn without_time_nothing_advances() {
         let mut filter = AttitudeFilter::default();
-        filter = filter.aligned(Vec3::new(2.0, -1.0, -9.0));
+        filter = filter.turned_to(Quaternion::from_up(Vec3::new(2.0, -1.0, -9.0)).expect("up"));
         let before = filter;
         filter = filter.stepped(&Increment::default(), Some(1.0), &SPEED);
         assert_eq!(filter, before);
@@ -184,8 +182,8 @@ mod tests {
         #[test]
         fn a_rare_step_levels_as_far_as_frequent_ones(x in -4.0f32..4.0, y in -4.0f32..4.0) {
             let (mut often, mut rarely) = (AttitudeFilter::default(), AttitudeFilter::default());
-            often = often.aligned(Vec3::new(x, y, -9.0));
-            rarely = rarely.aligned(Vec3::new(x, y, -9.0));
+            often = often.turned_to(Quaternion::from_up(Vec3::new(x, y, -9.0)).expect("up"));
+            rarely = rarely.turned_to(Quaternion::from_up(Vec3::new(x, y, -9.0)).expect("up"));
             let tilt = rarely.attitude().down_in_body();
             for _ in 0..100 {
                 often = often.stepped(&still(0.001), None, &SPEED);

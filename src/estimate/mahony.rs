@@ -14,13 +14,10 @@
 //!   the field enters twice, as the sine of the error between two vectors of that length.
 //! - "Not armed" is read as "no thrust is asked for".
 
-use super::Increment;
 use super::attitude::turned;
+use super::{Increment, LARGEST_BIAS};
 use crate::math::{Quaternion, Vec3, limited, sin_cos, wrapped};
 use crate::settings::gains::cleanflight::Estimate;
-
-/// The largest bias that is learned, in rad/s: a healthy gyroscope has less at rest.
-const LARGEST_BIAS: f32 = 0.5;
 
 /// What shows the estimate's errors, beside the motion itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -46,15 +43,10 @@ pub struct MahonyFilter {
 }
 
 impl MahonyFilter {
-    /// Starts from a mean specific force at rest (m/s2, body axes), heading zero.
-    ///
-    /// A force too small to show the vertical leaves the estimate as it is.
+    /// The same estimate at another attitude; what was learned stays.
     #[must_use]
-    pub fn aligned(&self, force: Vec3) -> Self {
-        Self {
-            attitude: Quaternion::from_up(force).unwrap_or(self.attitude),
-            ..*self
-        }
+    pub fn turned_to(&self, attitude: Quaternion) -> Self {
+        Self { attitude, ..*self }
     }
 
     /// The estimate.
@@ -150,7 +142,8 @@ mod tests {
     }
 
     fn tilted() -> MahonyFilter {
-        MahonyFilter::default().aligned(Vec3::new(2.0, -1.0, -9.0))
+        MahonyFilter::default()
+            .turned_to(Quaternion::from_up(Vec3::new(2.0, -1.0, -9.0)).expect("up"))
     }
 
     /// How far from level the estimate is.

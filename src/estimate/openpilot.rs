@@ -39,15 +39,10 @@ pub struct Turned {
 }
 
 impl OpenPilotFilter {
-    /// Started from a mean specific force at rest (m/s2, body axes), heading zero.
-    ///
-    /// A force too small to show the vertical leaves the estimate as it is.
+    /// The same estimate at another attitude; what was learned stays.
     #[must_use]
-    pub fn aligned(&self, force: Vec3) -> Self {
-        Self {
-            attitude: Quaternion::from_up(force).unwrap_or(self.attitude),
-            ..*self
-        }
+    pub fn turned_to(&self, attitude: Quaternion) -> Self {
+        Self { attitude, ..*self }
     }
 
     /// The estimate.
@@ -152,7 +147,8 @@ mod tests {
 
     #[test]
     fn a_tilted_estimate_levels_while_gravity_is_seen() {
-        let mut filter = OpenPilotFilter::default().aligned(Vec3::new(2.0, -1.0, -9.0));
+        let mut filter = OpenPilotFilter::default()
+            .turned_to(Quaternion::from_up(Vec3::new(2.0, -1.0, -9.0)).expect("up"));
         for _ in 0..20_000 {
             filter = filter.stepped(&turning(Vec3::ZERO, level(), 0.001), None, &GAINS.estimate);
         }
@@ -200,7 +196,8 @@ mod tests {
 
     #[test]
     fn without_time_nothing_advances() {
-        let before = OpenPilotFilter::default().aligned(Vec3::new(2.0, -1.0, -9.0));
+        let before = OpenPilotFilter::default()
+            .turned_to(Quaternion::from_up(Vec3::new(2.0, -1.0, -9.0)).expect("up"));
         assert_eq!(
             before.stepped(&Increment::default(), Some(1.0), &GAINS.estimate),
             before
@@ -209,7 +206,8 @@ mod tests {
 
     #[test]
     fn what_it_says_to_have_turned_is_what_it_turned() {
-        let before = OpenPilotFilter::default().aligned(Vec3::new(0.5, -0.3, -9.7));
+        let before = OpenPilotFilter::default()
+            .turned_to(Quaternion::from_up(Vec3::new(0.5, -0.3, -9.7)).expect("up"));
         let motion = turning(Vec3::new(0.2, 0.1, -0.1), level(), 0.05);
         let after = before.stepped(&motion, Some(0.3), &GAINS.estimate);
         let turned = after.turned(&before, &motion).estimate;
@@ -224,7 +222,7 @@ mod tests {
             tilt in -0.2f32..0.2, heading in -1.0f32..1.0
         ) {
             let rates = Vec3::new(x, y, z);
-            let start = OpenPilotFilter::default().aligned(Vec3::new(tilt, -tilt, -9.8));
+            let start = OpenPilotFilter::default().turned_to(Quaternion::from_up(Vec3::new(tilt, -tilt, -9.8)).expect("up"));
             let (mut often, mut rarely) = (start, start);
             let mut body = Quaternion::IDENTITY;
             for _ in 0..40 {

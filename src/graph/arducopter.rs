@@ -45,7 +45,7 @@ use crate::control::{Goal, Setpoint};
 use crate::dataflow::graph;
 use crate::estimate::arducopter::DriftFilter;
 use crate::estimate::{Increment, Place, Rotation};
-use crate::math::{Quaternion, Vec3};
+use crate::math::Quaternion;
 use crate::settings::gains::arducopter::Gains;
 use crate::units::{Thrust, TorqueDemand};
 
@@ -113,13 +113,13 @@ impl ControlLogic for ArduCopter {
     standard_inputs!("arducopter");
     place_inputs!(logic => *logic.thrust());
 
-    fn align(&mut self, force: Vec3) {
-        self.set_filter(self.filter().aligned(force));
-    }
-
     fn reset_integrals(&mut self) {
         self.set_rates(RateMemory::default());
         self.set_lift(self.lift().grounded());
+    }
+
+    fn stand(&mut self) {
+        self.set_rates(RateMemory::default());
     }
 }
 
@@ -128,6 +128,7 @@ mod tests {
     use super::*;
     use crate::control::Yaw;
     use crate::graph::tests::{Body, HOVER, settled, turning, visited};
+    use crate::math::Vec3;
     use crate::units::{Position, Velocity};
 
     fn north_of_the_goal() -> Place {
@@ -186,7 +187,7 @@ mod tests {
     fn tilted(angle: f32) -> (Body, ArduCopter) {
         let body = Body::new(Quaternion::IDENTITY.turned_by(Vec3::new(angle, 0.5 * angle, 0.0)));
         let mut logic = ArduCopter::default();
-        logic.align(body.attitude.to_body(Vec3::new(0.0, 0.0, -1.0)));
+        logic.align(body.attitude);
         logic.set_setpoint(Setpoint::level(Thrust::new(HOVER).expect("in range")));
         (body, logic)
     }

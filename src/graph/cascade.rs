@@ -100,12 +100,12 @@ tuned!(Cascade, cascade);
 impl ControlLogic for Cascade {
     standard_inputs!("cascade");
 
-    fn align(&mut self, force: Vec3) {
-        self.set_filter(self.filter().aligned(force));
-    }
-
     fn reset_integrals(&mut self) {
         self.set_integrals(RateState::default());
+    }
+
+    fn stand(&mut self) {
+        self.reset_integrals();
     }
 }
 

@@ -32,7 +32,7 @@ use crate::control::cleanflight::{
 use crate::control::{Goal, Setpoint, Wanted};
 use crate::dataflow::graph;
 use crate::estimate::{Evidence, Increment, MahonyFilter, Place, Rotation};
-use crate::math::{Quaternion, Vec3};
+use crate::math::Quaternion;
 use crate::settings::gains::cleanflight::Gains;
 use crate::units::TorqueDemand;
 
@@ -100,12 +100,12 @@ impl ControlLogic for Cleanflight {
     standard_inputs!("cleanflight");
     place_inputs!(logic => logic.aim().thrust);
 
-    fn align(&mut self, force: Vec3) {
-        self.set_filter(self.filter().aligned(force));
-    }
-
     fn reset_integrals(&mut self) {
         self.set_integrals(RateIntegrals::default());
+    }
+
+    fn stand(&mut self) {
+        self.reset_integrals();
     }
 }
 
@@ -115,6 +115,7 @@ mod tests {
     use crate::config::cleanflight::GAINS;
     use crate::estimate::Arrival;
     use crate::graph::tests::{settled, turning, visited};
+    use crate::math::Vec3;
     use crate::sensors::{GRAVITY, ImuSample};
     use crate::time::at_micros;
     use crate::units::{BodyRates, Position, SpecificForce, Thrust};

@@ -4,7 +4,7 @@ use crate::airframe::{Mixed, Mixer};
 use crate::control::{Goal, Setpoint};
 use crate::dataflow::{Description, Dirty};
 use crate::estimate::{Motion, Place};
-use crate::math::{Quaternion, Vec3};
+use crate::math::Quaternion;
 use crate::settings::gains;
 use crate::units::Thrust;
 
@@ -21,11 +21,17 @@ pub trait ControlLogic {
     /// Corner (Hz) of the filter behind the angular acceleration that it wants to see.
     fn derivative_cutoff(&self) -> f32;
 
-    /// Starts the attitude from a mean specific force at rest, in m/s2.
-    fn align(&mut self, force: Vec3);
+    /// Sets the attitude estimate, where something knows better; what was learned stays.
+    fn align(&mut self, attitude: Quaternion);
+
+    /// Begins anew with an attitude, as after states that are not finite; flies what it flew.
+    fn restart(&mut self, attitude: Quaternion);
 
     /// Forgets integrals: for the ground, where they only wind up.
     fn reset_integrals(&mut self);
+
+    /// The same for a drone that is armed and stands: what lifts it goes on.
+    fn stand(&mut self);
 
     /// Motion since the last propagation, and the error of the heading (rad) where measured.
     ///
@@ -94,6 +100,14 @@ macro_rules! standard_inputs {
             $name
         }
 
+        fn restart(&mut self, attitude: $crate::math::Quaternion) {
+            let (setpoint, goal) = (*self.flown(), self.flown_to());
+            *self = Self::new(*self.gains(), *self.mixer());
+            self.align(attitude);
+            self.fly_to(goal);
+            self.fly(setpoint);
+        }
+
         fn description(&self) -> $crate::dataflow::Description {
             Self::DESCRIPTION
         }
@@ -108,6 +122,10 @@ macro_rules! standard_inputs {
                 self.set_heading(heading);
             }
             self.set_rotation(motion.rotation);
+        }
+
+        fn align(&mut self, attitude: $crate::math::Quaternion) {
+            self.set_filter(self.filter().turned_to(attitude));
         }
 
         fn fly(&mut self, setpoint: $crate::control::Setpoint) {

@@ -19,7 +19,7 @@ use crate::control::{
 };
 use crate::dataflow::graph;
 use crate::estimate::{AttitudeFilter, Corrections, Increment, Rotation};
-use crate::math::{Quaternion, Vec3};
+use crate::math::Quaternion;
 use crate::settings::gains::observer::Gains;
 use crate::units::TorqueDemand;
 
@@ -79,12 +79,12 @@ tuned!(Observer, observer);
 impl ControlLogic for Observer {
     standard_inputs!("observer");
 
-    fn align(&mut self, force: Vec3) {
-        self.set_filter(self.filter().aligned(force));
-    }
-
     fn reset_integrals(&mut self) {
         self.set_observed(self.observed().undisturbed());
+    }
+
+    fn stand(&mut self) {
+        self.reset_integrals();
     }
 }
 

@@ -29,7 +29,7 @@ use crate::control::openpilot::{
 use crate::control::{Goal, RateInput, Setpoint};
 use crate::dataflow::graph;
 use crate::estimate::{Increment, OpenPilotFilter, Place, Rotation};
-use crate::math::{Quaternion, Vec3};
+use crate::math::Quaternion;
 use crate::settings::gains::openpilot::Gains;
 use crate::units::{BodyRates, TorqueDemand};
 
@@ -121,13 +121,14 @@ impl ControlLogic for OpenPilot {
     standard_inputs!("openpilot");
     place_inputs!(logic => logic.target().thrust);
 
-    fn align(&mut self, force: Vec3) {
-        self.set_filter(self.filter().aligned(force));
-    }
-
     fn reset_integrals(&mut self) {
         self.set_integrals(Integrals::default());
         self.set_path(PathState::default());
+    }
+
+    fn stand(&mut self) {
+        self.set_integrals(Integrals::default());
+        self.set_path(self.path().standing());
     }
 }
 

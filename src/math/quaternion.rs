@@ -81,6 +81,20 @@ impl Quaternion {
         })
     }
 
+    /// The same heading with the vertical that measured `up` shows; see [`Self::from_up`].
+    #[must_use]
+    pub fn levelled(self, up: Vec3) -> Option<Self> {
+        let tilted = Self::from_up(up)?;
+        let missing = self.heading() - tilted.heading();
+        Some(Self::from_heading(missing).then_body(tilted))
+    }
+
+    /// True where no component is infinite or not a number.
+    #[must_use]
+    pub fn is_finite(self) -> bool {
+        self.w.is_finite() && self.v.is_finite()
+    }
+
     /// The inverse rotation.
     #[must_use]
     pub fn conjugate(self) -> Self {

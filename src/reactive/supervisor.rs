@@ -87,14 +87,16 @@ impl Phase {
         use FallbackReason::{ImuLost, Unfit};
         match (self, event) {
             (_, PhaseEvent::Disarmed) => Self::Ground,
-            (Self::Ground, PhaseEvent::Armed) => match policy {
-                Policy::Reactive => Self::WarmUp,
-                Policy::Periodic => Self::Periodic,
-            },
-            (Self::Ground | Self::Periodic, _) => self,
-            (Self::Fallback(ImuLost), PhaseEvent::ImuBack) => Self::WarmUp,
-            (Self::Fallback(ImuLost), _) => self,
+            (Self::Ground, PhaseEvent::Armed) | (Self::Fallback(ImuLost), PhaseEvent::ImuBack) => {
+                match policy {
+                    Policy::Reactive => Self::WarmUp,
+                    Policy::Periodic => Self::Periodic,
+                }
+            }
+            (Self::Ground | Self::Fallback(ImuLost), _) => self,
+            // Whatever the policy: blind, it would hold the last torque.
             (_, PhaseEvent::Fail(ImuLost)) => Self::Fallback(ImuLost),
+            (Self::Periodic, _) => self,
             (Self::Reactive, PhaseEvent::Fail(reason)) => Self::Fallback(reason),
             (Self::WarmUp | Self::Fallback(_), PhaseEvent::Learned) => Self::Reactive,
             (Self::WarmUp, PhaseEvent::TimedOut) => Self::Fallback(Unfit),

@@ -7,7 +7,7 @@ numbered! {
     Check {
         /// The gyroscope's bias is known.
         Calibration,
-        /// The inertial sensor delivers.
+        /// The inertial sensor delivers, and what it says is possible.
         Imu,
         /// The sensors hold the configuration that was written to them.
         Configuration,
@@ -15,6 +15,8 @@ numbered! {
         Still,
         /// The specific force at rest is gravity.
         Gravity,
+        /// Estimate and gravity agree about the vertical.
+        Level,
         /// The body is upright.
         Tilt,
         /// A pilot says what shall be flown, now.
@@ -40,10 +42,11 @@ impl Check {
     pub const fn text(self) -> &'static str {
         match self {
             Self::Calibration => "gyroscope not calibrated, keep still",
-            Self::Imu => "inertial sensor silent or stuck",
+            Self::Imu => "inertial sensor silent or implausible",
             Self::Configuration => "a sensor lost its configuration",
             Self::Still => "drone turns, keep still",
             Self::Gravity => "accelerometer is not near 1 g",
+            Self::Level => "level and gravity disagree, keep still",
             Self::Tilt => "tilted, set level or check mounting",
             Self::Setpoint => "no fresh setpoint, nor goal and place",
             Self::Thrust => "setpoint asks for thrust, lower it",

@@ -25,6 +25,10 @@ pub enum Stream {
     Lsm303agrMagnetometer,
     /// Error of the LSM303AGR's magnetometer oscillator.
     Lsm303agrMagnetometerOscillator,
+    /// Zero-rate output of the MPU6050's gyroscope at turn-on.
+    Mpu6050TurnOn,
+    /// How it moves with the temperature.
+    Mpu6050Temperature,
 }
 
 /// White Gaussian noise on three axes.
@@ -59,6 +63,13 @@ pub fn symmetric(seed: u64, stream: Stream) -> f64 {
     Uniform::new_inclusive(-1.0, 1.0)
         .expect("-1 to 1 is a valid range")
         .sample(&mut generator(seed, stream as u64))
+}
+
+/// Three of them, one for each axis.
+pub fn symmetric_axes(seed: u64, stream: Stream) -> [f64; 3] {
+    let even = Uniform::new_inclusive(-1.0, 1.0).expect("-1 to 1 is a valid range");
+    let mut generator = generator(seed, stream as u64);
+    [0; 3].map(|_| even.sample(&mut generator))
 }
 
 #[cfg(test)]

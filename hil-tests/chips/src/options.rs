@@ -19,6 +19,20 @@ pub struct ChipOptions {
     ///
     /// Dies with 2 mg are reported, so firmware has to calibrate it.
     pub motion_threshold_lsb_mg: f64,
+    /// What the MPU6050's gyroscope shows at rest; nothing by default.
+    pub zero_rate: ZeroRate,
+}
+
+/// Zero-rate output of a gyroscope: each axis draws its share of the most, from the seed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ZeroRate {
+    /// Most at turn-on, in deg/s (datasheet: 20).
+    pub turn_on_deg_s: f64,
+    /// By how much the die warms up, in degrees Celsius, two thirds of it in the first minute.
+    ///
+    /// The output moves with it, by a third of 1 deg/s a degree at most: 20 deg/s from 25 to 85
+    /// degrees (datasheet).
+    pub warm_up_c: f64,
 }
 
 impl Default for ChipOptions {
@@ -29,6 +43,7 @@ impl Default for ChipOptions {
             oscillator_error: None,
             present: Present::default(),
             motion_threshold_lsb_mg: 32.0,
+            zero_rate: ZeroRate::default(),
         }
     }
 }

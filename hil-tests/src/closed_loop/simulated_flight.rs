@@ -68,6 +68,7 @@ impl<'o> SimulatedFlight<'o> {
         let chips = ChipOptions {
             seed,
             noise: true,
+            zero_rate: options.stress.zero_rate,
             ..ChipOptions::default()
         };
         let board: Box<dyn FlyingBoard> = match flyer {

@@ -160,7 +160,7 @@ fn control_at_a_low_rate_has_less_of_a_delay_margin_than_reactive_control() {
         options.mission = Mission::Hover;
         options.stress = Stress {
             gain: 3.0,
-            delay_s: 0.0,
+            ..Stress::default()
         };
         let report = flown("lab", &options);
         report.turning_rad_s.unwrap_or(f64::INFINITY)

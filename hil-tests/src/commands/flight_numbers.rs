@@ -37,6 +37,19 @@ pub(super) const PLANT_DELAY: &Setting = &number(
     "Stress: how much later motor commands apply",
 );
 
+pub(super) const GYRO_BIAS: &Setting = &number(
+    ["gyro-bias", "DEG_S"],
+    (Kind::Number(within(0.0, 60.0)), "deg/s"),
+    "0",
+    "Stress: most that an axis of the gyroscope shows at rest when it is turned on, by the seed",
+);
+pub(super) const WARM_UP: &Setting = &number(
+    ["die-warms", "DEGREES"],
+    (Kind::Number(within(0.0, 60.0)), "degrees Celsius"),
+    "0",
+    "Stress: by how much the gyroscope warms up in the first minutes, and drifts with it",
+);
+
 pub(super) const JITTER: &Setting = &number(
     ["jitter", "SECONDS"],
     (Kind::Number(within(0.0, 0.1)), "s"),
@@ -81,6 +94,8 @@ impl Declarations for Numbers {
         *CLOCK,
         *PLANT_GAIN,
         *PLANT_DELAY,
+        *GYRO_BIAS,
+        *WARM_UP,
         *JITTER,
         *LATE_SHARE,
         *LATE,

@@ -5,7 +5,8 @@ use clap::Args;
 use reflex::config::AIRFRAME;
 
 use super::flight_numbers::{
-    BANDWIDTH, CLOCK, DURATION, FlightNumbers, JITTER, LATE, LATE_SHARE, PLANT_DELAY, PLANT_GAIN,
+    BANDWIDTH, CLOCK, DURATION, FlightNumbers, GYRO_BIAS, JITTER, LATE, LATE_SHARE, PLANT_DELAY,
+    PLANT_GAIN, WARM_UP,
 };
 use super::logic_arguments::LogicArguments;
 use super::quantities::number;
@@ -13,6 +14,7 @@ use super::settings_arguments::SettingsArguments;
 use crate::closed_loop::contention::{Contention, Scheduler};
 use crate::closed_loop::{FlyOptions, Mission, Scene, Stress};
 use crate::refusal::Refusal;
+use chip_models::ZeroRate;
 
 /// What a flight is told. Defaults are those of `config/`.
 #[derive(Clone, Debug, Args)]
@@ -71,6 +73,10 @@ impl SimulatedArguments {
             stress: Stress {
                 gain: numbers.get(PLANT_GAIN)?,
                 delay_s: numbers.get(PLANT_DELAY)?,
+                zero_rate: ZeroRate {
+                    turn_on_deg_s: numbers.get(GYRO_BIAS)?,
+                    warm_up_c: numbers.get(WARM_UP)?,
+                },
             },
             contention: Contention {
                 jitter_s: numbers.get(JITTER)?,

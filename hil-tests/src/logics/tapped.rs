@@ -6,7 +6,7 @@ use reflex::control::{Goal, Setpoint};
 use reflex::dataflow::{Description, Dirty};
 use reflex::estimate::{Motion, Place};
 use reflex::graph::ControlLogic;
-use reflex::math::{Quaternion, Vec3};
+use reflex::math::Quaternion;
 use reflex::settings::Settings;
 use reflex::units::Thrust;
 use reflex_bench::step::Step;
@@ -50,8 +50,16 @@ impl ControlLogic for Tapped {
         self.logic.derivative_cutoff()
     }
 
-    fn align(&mut self, force: Vec3) {
-        self.logic.align(force);
+    fn align(&mut self, attitude: Quaternion) {
+        self.logic.align(attitude);
+    }
+
+    fn restart(&mut self, attitude: Quaternion) {
+        self.logic.restart(attitude);
+    }
+
+    fn stand(&mut self) {
+        self.logic.stand();
     }
 
     fn reset_integrals(&mut self) {

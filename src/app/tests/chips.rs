@@ -166,7 +166,7 @@ fn with_an_inertial_sensor_that_delivers_late_a_crossing_calls_control_and_the_s
     let stamped = at_micros(rig.now + 1_000);
     let (ran, waited_us) = run_of_a_crossing(&mut rig, 8_000);
     assert_eq!((ran.asked.sole(), waited_us), (Some(Input::ChipAccel), 0));
-    let next = rig.autopilot.on_imu(stamped, &turning(2));
+    let next = rig.autopilot.on_imu(stamped, &alive(2, 0));
     assert_eq!(rig.autopilot.faults(Fault::ImuJump), 0);
     assert_eq!(next, Next::Wait, "it asks for nothing");
 }

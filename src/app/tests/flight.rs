@@ -53,11 +53,8 @@ fn still(now: u64) -> Option<i16> {
 }
 
 /// What a body at rest shows that lies on its side.
-fn on_its_side() -> ImuReading {
-    ImuReading {
-        force: SpecificForce(Vec3::new(0.0, -GRAVITY, 0.0)),
-        ..turning(0)
-    }
+fn on_its_side(now: u64) -> ImuReading {
+    felt(now, Vec3::ZERO, Vec3::new(0.0, -GRAVITY, 0.0))
 }
 
 #[test]
@@ -115,10 +112,8 @@ fn each_check_refuses_to_arm_by_its_name() {
         }),
         (Check::Gravity, |rig| {
             rig.fly_at(0.0);
-            rig.readings(300, |_| ImuReading {
-                force: SpecificForce(Vec3::new(0.0, 0.0, -1.2 * GRAVITY)),
-                ..turning(0)
-            });
+            let pressed = Vec3::new(0.0, 0.0, -1.2 * GRAVITY);
+            rig.readings(300, |now| felt(now, Vec3::ZERO, pressed));
         }),
         (Check::Imu, |rig| {
             rig.fly_at(0.0);
@@ -204,7 +199,7 @@ fn a_reset_that_nobody_asked_for_is_acknowledged_by_a_disarm() {
 #[test]
 fn a_tilted_drone_is_not_armed() {
     let mut rig = Rig::new(SETTINGS);
-    rig.readings(1_500, |_| on_its_side());
+    rig.readings(1_500, on_its_side);
     rig.fly_at(0.0);
     assert_eq!(rig.tell(&ARM), Some(Answer::TemporarilyRejected));
     let tilted = format!("not armed: {}", Check::Tilt.text());
@@ -384,21 +379,10 @@ fn a_drone_that_lies_over_is_disarmed() {
     let mut rig = Rig::armed(SETTINGS);
     rig.flown(1_000, gusty);
     // Turned over by half a turn in half a second.
-    rig.readings(500, |_| ImuReading {
-        rates: BodyRates(Vec3::new(core::f32::consts::TAU, 0.0, 0.0)),
-        ..turning(0)
-    });
-    let upside_down = ImuReading {
-        force: SpecificForce(Vec3::new(0.0, 0.0, GRAVITY)),
-        ..turning(0)
-    };
-    let mut noisy = 0.0;
+    let turning = Vec3::new(core::f32::consts::TAU, 0.0, 0.0);
+    rig.readings(500, |now| felt(now, turning, Vec3::new(0.0, 0.0, -GRAVITY)));
     rig.readings(milliseconds(UPSET_TIME) + 200, |now| {
-        noisy = (now / 1000 % 3) as f32 * 0.01;
-        ImuReading {
-            temperature: noisy,
-            ..upside_down
-        }
+        felt(now, Vec3::ZERO, Vec3::new(0.0, 0.0, GRAVITY))
     });
     assert_eq!(rig.state(), FlightState::Disarmed);
     let told = rig.told_pilot();

@@ -167,11 +167,11 @@ fn in_reactive_control_a_place_joins_and_what_is_owed_for_it_asks_for_the_run() 
     let mut rig = Rig::with_logic(owing, OpenPilot::default()).readied();
     rig.told(6_000, &[pose(0.0, None), goal(0.0)]);
     assert_eq!(rig.phase(), Phase::Reactive);
-    rig.milliseconds(3, |_| Some(0));
+    rig.milliseconds(3, resting);
     let before = rig.autopilot.recorder().len();
     rig.tell(&pose(-3.0, None));
     assert_eq!(rig.autopilot.recorder().len(), before + 1, "no run yet");
-    rig.milliseconds(5, |_| Some(0));
+    rig.milliseconds(5, resting);
     let ran = rig.autopilot.recorder()[before..]
         .iter()
         .find_map(|stamped| match stamped.call {

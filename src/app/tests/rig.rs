@@ -8,14 +8,36 @@ impl Recorder for Vec<Stamped> {
     }
 }
 
-/// A drone at rest that turns about roll at `rate` counts of a gyroscope with 16.4 per deg/s.
-pub fn turning(rate: i16) -> ImuReading {
-    let rate = f32::from(rate) * (core::f32::consts::PI / (180.0 * 16.4));
+/// The noise (counts) of an axis of a sensor that is alive, at an instant in us.
+pub fn breath(now: u64, axis: u64) -> f32 {
+    let mixed = (now / 1000 * 3 + axis).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    (mixed >> 60) as f32 / 4.0 - 2.0
+}
+
+/// What sensors that are alive read at an instant.
+pub fn felt(now: u64, rates: Vec3, force: Vec3) -> ImuReading {
+    let breath = |first| {
+        let [x, y, z] = [first, first + 1, first + 2].map(|axis| breath(now, axis));
+        Vec3::new(x, y, z)
+    };
     ImuReading {
-        rates: BodyRates(Vec3::new(rate, 0.0, 0.0)),
-        force: SpecificForce(Vec3::new(0.0, 0.0, -GRAVITY)),
+        rates: BodyRates(rates + breath(0) * (core::f32::consts::PI / (180.0 * 16.4))),
+        force: SpecificForce(force + breath(3) * (GRAVITY / 2048.0)),
         temperature: 36.53,
     }
+}
+
+/// A drone at rest that turns about roll at `rate` counts of a gyroscope with 16.4 per deg/s.
+pub fn alive(rate: i16, now: u64) -> ImuReading {
+    let rate = f32::from(rate) * (core::f32::consts::PI / (180.0 * 16.4));
+    let mut reading = felt(now, Vec3::ZERO, Vec3::new(0.0, 0.0, -GRAVITY));
+    reading.rates.0.x = rate;
+    reading
+}
+
+/// At rest: the counts of a gyroscope's axis that is alive.
+pub fn resting(now: u64) -> Option<i16> {
+    Some(breath(now, 0) as i16)
 }
 
 /// Counts of an accelerometer with 16 per 0.98 mg.
@@ -79,7 +101,7 @@ impl<L: ControlLogic> Rig<L> {
 
     /// The same, calibrated and armed, in the air with a setpoint of half thrust.
     pub fn readied(mut self) -> Self {
-        self.milliseconds(600, |_| Some(0));
+        self.milliseconds(600, resting);
         self.fly_at(0.0);
         assert_eq!(
             self.tell(&Message::Arm(ArmCommand::ARM)),
@@ -105,7 +127,7 @@ impl<L: ControlLogic> Rig<L> {
 
     /// Lets time pass with readings of a drone at rest that turns; none where the sensor is silent.
     pub fn milliseconds(&mut self, count: u64, mut rate: impl FnMut(u64) -> Option<i16>) {
-        self.pass(count, |now| rate(now).map(turning));
+        self.pass(count, |now| rate(now).map(|rate| alive(rate, now)));
     }
 
     /// Lets time pass with these readings.

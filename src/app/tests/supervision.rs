@@ -19,20 +19,6 @@ fn noise(now: u64) -> Option<i16> {
 }
 
 #[test]
-fn a_stuck_gyroscope_is_noticed_within_two_failsafe_periods_and_forgiven_when_it_moves() {
-    let mut rig = reactive(short_warm_up());
-    rig.milliseconds(190, |_| Some(77));
-    assert_eq!(rig.phase(), Phase::Reactive);
-    rig.milliseconds(20, |_| Some(77));
-    assert_eq!(rig.phase(), Phase::Fallback(FallbackReason::ImuLost));
-    assert_eq!(rig.autopilot.faults(Fault::ImuStuck), 1);
-    let blind = rig.outputs.last().expect("runs").1;
-    assert!(blind.iter().all(|share| (share - blind[0]).abs() < 1e-6));
-    rig.milliseconds(5, gusty);
-    assert_eq!(rig.phase(), Phase::WarmUp);
-}
-
-#[test]
 fn aerobatics_are_flown_time_triggered_and_reactive_control_returns_after_them() {
     let mut rig = reactive(short_warm_up());
     let mut flip = Setpoint::level(Thrust::new(0.5).expect("in range"));
@@ -69,7 +55,7 @@ fn runs_that_begin_late_time_and_again_end_reactive_control() {
         rig.now += 1000;
         let now = at_micros(rig.now);
         let rate = gusty(rig.now).unwrap_or(0);
-        if rig.autopilot.on_imu(now, &turning(rate)) == Next::Hyperperiod {
+        if rig.autopilot.on_imu(now, &alive(rate, rig.now)) == Next::Hyperperiod {
             let too_late = now + HYPERPERIOD;
             rig.autopilot.on_hyperperiod(too_late);
             late += 1;
@@ -264,4 +250,43 @@ fn a_warm_up_in_which_nothing_changes_turns_to_lags_at_half_its_longest() {
 #[test]
 fn a_warm_up_that_learns_turns_to_no_lags() {
     assert_eq!(turned_to_lags(25, gusty), []);
+}
+
+/// How far the motors are apart, after a body was held 3 degrees off for a minute at this thrust.
+fn apart_after_a_minute_held_off<L: ControlLogic + Default>(thrust: f32) -> f32 {
+    let mut rig = Rig::with_logic(SETTINGS, L::default()).readied();
+    let tilted = Setpoint {
+        attitude: Some(Quaternion::IDENTITY.turned_by(Vec3::new(0.052, 0.0, 0.0))),
+        ..Setpoint::level(Thrust::new(thrust).expect("in range"))
+    };
+    let mut apart = [0.0; 2];
+    for second in 0..60 {
+        for _ in 0..10 {
+            rig.tell(&Message::Setpoint(tilted));
+            rig.milliseconds(100, noise);
+        }
+        let shares = rig.outputs.last().expect("runs").1;
+        let largest = shares.iter().copied().fold(0.0, f32::max);
+        apart[usize::from(second > 0)] = shares
+            .iter()
+            .fold(0.0, |most: f32, share| most.max(largest - share));
+    }
+    apart[1] - apart[0]
+}
+
+#[test]
+fn a_body_that_is_held_off_on_the_ground_winds_up_no_integral_in_any_logic() {
+    for thrust in [0.0, 0.1] {
+        let grown = [
+            apart_after_a_minute_held_off::<Cascade>(thrust),
+            apart_after_a_minute_held_off::<crate::graph::OpenPilot>(thrust),
+            apart_after_a_minute_held_off::<crate::graph::ArduCopter>(thrust),
+            apart_after_a_minute_held_off::<crate::graph::Cleanflight>(thrust),
+            apart_after_a_minute_held_off::<crate::graph::Observer>(thrust),
+        ];
+        assert!(
+            grown.iter().all(|grown| *grown < 0.02),
+            "{thrust} {grown:?}"
+        );
+    }
 }

@@ -34,6 +34,17 @@ pub struct PathState {
     acceleration: Vec3,
 }
 
+impl PathState {
+    /// What remains while the drone stands: its thrust grows until it lifts off, its lean does not.
+    #[must_use]
+    pub fn standing(&self) -> Self {
+        Self {
+            integral: Vec3::new(0.0, 0.0, self.integral.z),
+            ..*self
+        }
+    }
+}
+
 /// The laws of some gains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathFollower {

@@ -4,6 +4,7 @@ use super::*;
 use crate::control::Yaw;
 use crate::estimate::Motion;
 use crate::graph::tests::{settled, turning, visited};
+use crate::math::Vec3;
 use crate::sensors::GRAVITY;
 use crate::units::{Position, Thrust};
 use proptest::prelude::*;

@@ -14,8 +14,8 @@ use std::sync::Arc;
 
 use super::registers::{ClockSource, Setup};
 use crate::filter::LowPass;
-use crate::noise::{Noise, Stream};
-use crate::options::{ChipOptions, Present};
+use crate::noise::{Noise, Stream, symmetric_axes};
+use crate::options::{ChipOptions, Present, ZeroRate};
 use crate::oscillator::{self, Ticker};
 use crate::stimulus::{STANDARD_GRAVITY, StimulusSource};
 
@@ -50,6 +50,11 @@ const ACCEL_NOISE_DENSITY: f64 = 400e-6;
 const RELAXATION_TOLERANCE: f64 = 0.05;
 /// Gyroscope clock: 1 % initially and 1 % over temperature, same section.
 const GYRO_CLOCK_TOLERANCE: f64 = 0.02;
+/// Most that the zero-rate output moves, deg/s per degree Celsius: 20 deg/s up to 85 degrees,
+/// PS-MPU-6000A 6.1.
+const ZERO_RATE_PER_DEGREE: f64 = 20.0 / 60.0;
+/// Time constant of the die's warming up, s.
+const WARMING_S: f64 = 60.0;
 const FULL_SCALE_COUNTS: f64 = 32_768.0;
 
 /// A low-pass and the pure delay that goes with it.
@@ -93,6 +98,9 @@ pub struct Sampler {
     present: Present,
     relaxation_error: f64,
     gyro_clock_error: f64,
+    zero_rate: ZeroRate,
+    /// Each axis' share of the most at turn-on, and of that of the temperature.
+    zero_rate_shares: [[f64; 3]; 2],
     gyro_noise: Noise,
     accel_noise: Noise,
     gyro_channel: Channel,
@@ -116,6 +124,9 @@ impl Sampler {
             present: options.present,
             relaxation_error: error(Stream::Mpu6050RelaxationOscillator, RELAXATION_TOLERANCE),
             gyro_clock_error: error(Stream::Mpu6050GyroClock, GYRO_CLOCK_TOLERANCE),
+            zero_rate: options.zero_rate,
+            zero_rate_shares: [Stream::Mpu6050TurnOn, Stream::Mpu6050Temperature]
+                .map(|stream| symmetric_axes(options.seed, stream)),
             gyro_noise: noise(Stream::Mpu6050Gyro, options.present.gyro),
             accel_noise: noise(Stream::Mpu6050Accelerometer, options.present.accelerometer),
             gyro_channel: Channel::design(GYRO_FILTERS[0], GYRO_RATE),
@@ -186,11 +197,29 @@ impl Sampler {
             .source
             .gyro(at_ns.saturating_sub(self.gyro_channel.delay_ns));
         let limit = FULL_SCALE_COUNTS / setup.gyro_counts;
-        let rate = truth.map(f64::to_degrees);
+        let at_rest = self.at_rest(at_ns);
+        let rate: [f64; 3] = std::array::from_fn(|axis| truth[axis].to_degrees() + at_rest[axis]);
         let sigma = GYRO_NOISE_DENSITY * (GYRO_RATE / 2.0).sqrt();
         let rate = self.gyro_noise.add(rate, sigma);
         let rate = rate.map(|axis| axis.clamp(-limit, limit));
         self.gyro = self.gyro_channel.filter.step(rate);
+    }
+
+    /// What the gyroscope shows at rest, deg/s.
+    fn at_rest(&self, at_ns: u64) -> [f64; 3] {
+        if self.zero_rate == ZeroRate::default() {
+            return [0.0; 3];
+        }
+        let [turn_on, per_degree] = self.zero_rate_shares;
+        let warmed = self.warmed_up(at_ns) * ZERO_RATE_PER_DEGREE;
+        std::array::from_fn(|axis| {
+            turn_on[axis] * self.zero_rate.turn_on_deg_s + per_degree[axis] * warmed
+        })
+    }
+
+    /// By how much the die is warmer than at the start, degrees Celsius.
+    fn warmed_up(&self, at_ns: u64) -> f64 {
+        self.zero_rate.warm_up_c * -(at_ns as f64 * (-1e-9 / WARMING_S)).exp_m1()
     }
 
     fn sample_accel(&mut self, at_ns: u64, setup: &Setup) {
@@ -210,7 +239,7 @@ impl Sampler {
 
     /// Temperature of the die at `at_ns`, degrees Celsius.
     pub fn temperature(&self, at_ns: u64) -> f64 {
-        self.source.temperature_c(at_ns)
+        self.source.temperature_c(at_ns) + self.warmed_up(at_ns)
     }
 
     /// When the next tick that is a multiple of `every` falls, in ns.
