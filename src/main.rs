@@ -5,7 +5,7 @@
 //!
 //! | task | bound to | priority | budget | shared | when late |
 //! |---|---|---|---|---|---|
-//! | `imu_ready` | EXTI0 | 6 | 2 us | `imu_bus` | the sample's stamp is late by as much |
+//! | `imu_ready`, `imu_due` | EXTI0, TIM2 | 6 | 2 us | `imu_line`, `imu_bus` | the sample's stamp is late by as much |
 //! | `accel_threshold`, `mag_event` | EXTI1, EXTI2 | 6 | 1 us | `fetches` | as above |
 //! | `imu_step` | I2C1_EV | 5 | 1 us | `imu_bus` | the bus waits, the burst takes longer |
 //! | `imu_failed` | I2C1_ER | 5 | 2 us | `imu_bus` | as above |
@@ -93,6 +93,8 @@ mod app {
     struct Shared {
         autopilot: &'static mut Pilot,
         motors: Motors,
+        #[lock_free]
+        imu_line: ImuLine,
         imu_bus: Engine,
         fetches: Fetches,
         link: Link,
@@ -100,7 +102,6 @@ mod app {
 
     #[local]
     struct Local {
-        imu_line: ImuLine,
         accel_line: ChipLine,
         mag_line: ChipLine,
         chips: Chips,
@@ -116,13 +117,13 @@ mod app {
         let shared = Shared {
             autopilot: pilot(&board.start, &board.mixer, calls),
             motors: board.motors,
+            imu_line: board.imu_line,
             imu_bus: board.imu_bus,
             fetches: Fetches::default(),
             link: board.link,
         };
         let [accel_line, mag_line] = board.chip_lines;
         let local = Local {
-            imu_line: board.imu_line,
             accel_line,
             mag_line,
             chips: board.chips,
@@ -139,10 +140,18 @@ mod app {
     }
 
     /// Stamps the MPU6050's sample and starts its burst.
-    #[task(binds = EXTI0, priority = 6, local = [imu_line], shared = [imu_bus])]
+    #[task(binds = EXTI0, priority = 6, shared = [imu_line, imu_bus])]
     fn imu_ready(mut cx: imu_ready::Context) {
-        let at = cx.local.imu_line.heard();
-        cx.shared.imu_bus.lock(|bus| bus.start_burst(at));
+        let edge = cx.shared.imu_line.heard();
+        cx.shared.imu_bus.lock(|bus| bus.on_edge(edge));
+    }
+
+    /// Hears the line again after one that came too soon; starts a burst for one that stays away.
+    #[task(binds = TIM2, priority = 6, shared = [imu_line, imu_bus])]
+    fn imu_due(mut cx: imu_due::Context) {
+        if let Some(edge) = cx.shared.imu_line.on_timer() {
+            cx.shared.imu_bus.lock(|bus| bus.on_edge(edge));
+        }
     }
 
     /// The LSM303AGR's accelerometer interrupts.
@@ -254,13 +263,13 @@ mod app {
         }
     }
 
-    /// Frees the I2C bus and configures the MPU6050 anew; bursts pause meanwhile.
+    /// Frees the I2C bus and configures the MPU6050 anew, or resets it; bursts pause meanwhile.
     #[task(priority = 1, local = [failed: bool = false], shared = [imu_bus])]
     async fn repair_imu(cx: repair_imu::Context) {
         let mut engine = cx.shared.imu_bus;
-        if let Some(mut bus) = engine.lock(|engine| engine.lend()) {
-            let fault = board::imu::repair(&mut bus, cx.local.failed);
-            engine.lock(|engine| engine.give_back(bus, fault));
+        if let Some((mut bus, remedy)) = engine.lock(|engine| engine.lend()) {
+            let repaired = board::imu::repair(&mut bus, remedy, cx.local.failed).await;
+            engine.lock(|engine| engine.give_back(bus, &repaired));
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::chips::{Chips, Done, Fetches, Work, serve};
 use super::control::{LONGEST_SLEEP, Motors, failsafe, hyperperiod};
-use super::imu::{Guard, Report, received};
+use super::imu::{Guard, Remedy, Report, received};
 use super::link::{Link, Overrun, Port, receive};
 use super::mpu6050::Sensor;
 use super::*;
@@ -200,19 +200,52 @@ fn a_silent_sensor_is_repaired_and_a_check_follows_the_next_burst_in_time() {
 }
 
 #[test]
+fn two_bursts_that_fail_in_a_row_call_for_a_repair() {
+    let mut guard = Guard::<Sensor>::new(at_micros(0));
+    assert!(!guard.fail());
+    guard.hear(at_micros(1_000));
+    assert!(!guard.fail());
+    assert!(guard.fail());
+    assert!(!guard.fail(), "counted anew");
+}
+
+#[test]
+fn a_sensor_that_answers_and_still_samples_nothing_is_reset() {
+    let mut guard = Guard::<Sensor>::new(at_micros(0));
+    assert_eq!(guard.remedy(at_micros(90_000)), Remedy::Configure);
+    guard.repaired(at_micros(100_000), false);
+    assert_eq!(guard.remedy(at_micros(190_000)), Remedy::Configure);
+    guard.repaired(at_micros(200_000), true);
+    assert_eq!(guard.remedy(at_micros(220_000)), Remedy::Configure, "soon");
+    assert_eq!(guard.remedy(at_micros(220_001)), Remedy::Reset);
+    guard.hear(at_micros(221_000));
+    assert_eq!(guard.remedy(at_micros(290_000)), Remedy::Configure);
+}
+
+#[test]
 fn reports_of_the_sensor_become_samples_faults_and_repairs() {
     let (mut board, mut pilot) = (Noted::default(), pilot());
     let mut take = |report: &Report<Sensor>| {
         received(&mut board, &mut Unshared(&mut pilot), report).map(|found| found.register)
     };
     assert_eq!(take(&Report::Burst(at_micros(5), [0; 15])), None);
-    assert_eq!(take(&Report::Fault(at_micros(6), Fault::ImuOverrun)), None);
+    assert_eq!(
+        take(&Report::Fault(at_micros(6), Fault::ImuOverrun, false)),
+        None
+    );
     let [identity, ..] = CHECKS;
     assert_eq!(take(&Report::Check(identity, [0x68, 0, 0, 0])), None);
     assert_eq!(take(&Report::Check(identity, [0x70, 0, 0, 0])), Some(0x75));
-    let faults = [Fault::ImuStale, Fault::ImuOverrun, Fault::ImuConfiguration];
-    assert_eq!(faults.map(|fault| pilot.faults(fault)), [1, 1, 1]);
-    assert_eq!(board.raised, [Task::RepairImu]);
+    let failed = Report::<Sensor>::Fault(at_micros(7), Fault::ImuBus, true);
+    received(&mut board, &mut Unshared(&mut pilot), &failed);
+    let faults = [
+        Fault::ImuStale,
+        Fault::ImuOverrun,
+        Fault::ImuConfiguration,
+        Fault::ImuBus,
+    ];
+    assert_eq!(faults.map(|fault| pilot.faults(fault)), [1; 4]);
+    assert_eq!(board.raised, [Task::RepairImu; 2]);
 }
 
 /// A port with these bytes to be taken, or one that lost some.
