@@ -1,4 +1,4 @@
-//! One motor that shall turn while the drone is disarmed: what a motor test asks for.
+//! One motor that turns while the drone is disarmed: what a motor test asks for.
 
 use crate::time::Duration;
 
