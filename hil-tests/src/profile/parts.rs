@@ -65,7 +65,15 @@ pub const PARTS: [Part; 17] = [
             "reflex::reactive::shadow_holds",
         ],
     ),
-    part("door and safety", &["reflex::app", "reflex::safety"]),
+    part(
+        "door and safety",
+        &[
+            "reflex::app",
+            "reflex::safety",
+            "reflex::battery",
+            "reflex::reset",
+        ],
+    ),
     part(
         "call recorder",
         &["reflex::app::call", "reflex::app::record", "board::calls"],
@@ -98,7 +106,15 @@ pub const PARTS: [Part; 17] = [
         ],
     ),
     part("log", &["defmt", "defmt_rtt"]),
-    part("clock and timers", &["board::clock", "rtic_time"]),
+    part(
+        "clock and timers",
+        &[
+            "board::clock",
+            "rtic_time",
+            "rtic_monotonics",
+            "portable_atomic",
+        ],
+    ),
     part(
         "idle",
         &["main", "board", "reflex::app", "reflex::reactive"],
