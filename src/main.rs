@@ -75,8 +75,7 @@ mod app {
             match task {
                 Task::Hyperperiod => rtic::pend(HYPERPERIOD),
                 Task::Chips => rtic::pend(CHIPS),
-                // One that is under way already repairs the same chip.
-                Task::RepairImu => drop(repair_imu::spawn()),
+                Task::RepairImu => drop(repair_imu::spawn()), // One under way will do.
                 Task::Idle => board::idle::raise(),
             }
         }
@@ -225,9 +224,8 @@ mod app {
     /// Owner of the SPI bus: samples first, then orders; after a failure it waits to be raised.
     #[task(binds = CAN2_RX0, priority = 3, local = [chips], shared = [autopilot, fetches])]
     fn chips(cx: chips::Context) {
-        let mut autopilot = Piloted(cx.shared.autopilot);
-        let mut fetches = Guarded(cx.shared.fetches);
-        owner::serve(&mut Vectors, &mut fetches, &mut autopilot, cx.local.chips);
+        let (mut pilot, mut fetches) = (Piloted(cx.shared.autopilot), Guarded(cx.shared.fetches));
+        owner::serve(&mut Vectors, &mut fetches, &mut pilot, cx.local.chips);
         SIGNS.give(Sign::Chips);
     }
 
@@ -285,8 +283,7 @@ mod app {
             if let Some(job) = autopilot.lock(|pilot| pilot.refit_due(now())) {
                 let fit = job.fit();
                 autopilot.lock(|pilot| pilot.on_refit(now(), fit));
-                // Another one may be due.
-                Vectors.raise(Task::Idle);
+                Vectors.raise(Task::Idle); // Another one may be due.
             }
             if let Some(sounding) = autopilot.lock(|pilot| pilot.sounding_due(now())) {
                 for column in sounding.columns() {

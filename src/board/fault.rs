@@ -1,4 +1,4 @@
-//! The end of the firmware: motors stop, then last words, then the watchdog resets the board.
+//! The end of the firmware: motors stop, then last words, then a reset.
 //!
 //! A HardFault, a panic, the crystal's loss (NMI) and an interrupt without a task all come here.
 //! Nothing is formatted and no stack is trusted before the motors have their shortest pulse. They

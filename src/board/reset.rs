@@ -1,4 +1,4 @@
-//! What a start finds of the one before: why it was reset, at what voltage, last words.
+//! What a start finds of the one before: cause of the reset, voltage, last words.
 
 use reflex::reset::{Reset, ResetCause};
 use stm32f4xx_hal::pac;

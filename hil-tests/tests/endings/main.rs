@@ -1,4 +1,4 @@
-//! However the firmware ends, motors stop within microseconds and the next start knows why.
+//! However the firmware ends, motors stop at once and the next start knows why.
 //!
 //! The firmware is as it is flashed but for one vector: that of the IMU's interrupt leads through a few
 //! instructions of the test's, which do what must not happen once a register has reached a value.

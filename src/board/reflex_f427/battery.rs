@@ -1,4 +1,4 @@
-//! Voltage and current of the battery: ADC1 over PC3 and PC5, moved by DMA2 stream 0.
+//! Voltage and current of the battery: ADC1 over PC3 and PC5, by DMA2 stream 0.
 //!
 //! Each look takes the last conversion of both and begins the next: 47 us that nobody waits for.
 
