@@ -1,4 +1,4 @@
-//! The gyroscope's bias, measured while the drone stands still, and anew as long as it does.
+//! The gyroscope's bias, measured whenever the drone stands still.
 //!
 //! A gyroscope alone cannot tell a bias from even turning, so others have a say: turned about
 //! any axis but the vertical, the accelerometer sees gravity move within the stretch; turned about
