@@ -1,4 +1,4 @@
-//! What the sensors say: bias, motion since the last run, heading; who is believed.
+//! What the sensors say, and which of them is believed.
 //!
 //! | wrong is | then |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! The bias of the gyroscope, measured whenever the disarmed drone stands still.
+//! The gyroscope's bias, measured whenever the drone stands still.
 //!
 //! A gyroscope alone cannot tell a bias from even turning, so others have a say: turned about
 //! any axis but the vertical, the accelerometer sees gravity move within the stretch; turned about

@@ -1,4 +1,4 @@
-//! Gravity, as the gyroscope turns it and the accelerometer sees it.
+//! Gravity as both inertial sensors see it: drift, and contradiction.
 //!
 //! Slower than any estimator that flies, so that manoeuvres average out: in flight an
 //! accelerometer feels the propellers' push, which is vertical only in the mean. What the two

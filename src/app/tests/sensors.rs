@@ -1,4 +1,4 @@
-//! Sensors that fail by axis, by flow, by what no motion makes; and the way back.
+//! Sensors that fail by axis, rate or impossible motion, and come back.
 
 use super::*;
 use crate::math::Quaternion;
