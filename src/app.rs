@@ -10,28 +10,32 @@ mod call;
 mod chips;
 mod demand;
 mod door;
+mod flight;
+mod notice;
 mod record;
 mod sensing;
 mod telemetry;
 
 pub use crate::reactive::{Next, Outcome, Reason};
 pub use call::{Call, CallRing, DecodeError, LONGEST_RECORD, RING_LENGTH, Ran, Recorder, Stamped};
+pub use demand::Silence;
 pub use door::{ChipAction, ChipOrder, ChipSetting, Fault, OrderError};
 pub use telemetry::{Event, Events, RunCounts, Telemetry};
 
 use crate::airframe::Mixer;
 use crate::battery::{Battery, BatteryReading, BatteryState};
+use crate::config::NOT_FINITE_LIMIT;
 use crate::control::Setpoint;
 use crate::estimate::{Motion, Place};
 use crate::graph::{ControlLogic, Flown, Tuned};
-use crate::link::{Answer, Destination, ExternalPose, Message};
+use crate::link::{Answer, Destination, ExternalPose, Message, Notice};
 use crate::math::wrapped;
 use crate::reactive::{
     Column, FallbackReason, Fit, Foresight, Phase, PhaseEvent, Reactive, Refit, RefitJob, Review,
     Run, Situation, Sounding,
 };
 use crate::reset::Reset;
-use crate::safety::{Arming, ArmingEvent, MotorOutput, Passed, Refusal, Safety};
+use crate::safety::{FlightEvent, MotorOutput, Passed, Safety};
 use crate::sensors::{ChipSample, ImuReading, Input, Inputs};
 use crate::settings::{Settings, Start};
 use crate::time::Instant;
@@ -121,9 +125,11 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// Takes what the sensors say, runs the graph, passes the gate, learns.
     fn run(&mut self, now: Instant, reason: Reason) -> MotorOutput {
         self.check_silences(now);
+        self.sink(now);
         let motion = self.sensing.take_motion();
         self.propagate(now, &motion);
-        let passed = self.pass_gate();
+        self.watch_flight(now);
+        let passed = self.pass_gate(now);
         self.learn(now, reason, &motion, &passed);
         passed.output
     }
@@ -137,19 +143,20 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             Taken::Calibrating => return None,
             Taken::Calibrated(force) => {
                 self.graph.align(force);
-                self.move_arming(ArmingEvent::Calibrated);
+                self.move_state(FlightEvent::Calibrated, at);
                 return None;
             }
             Taken::Stuck { now } => {
                 if now {
                     self.record.fault(Fault::ImuStuck);
                 }
-                self.move_phase(PhaseEvent::Fail(FallbackReason::ImuLost));
+                self.on_imu_lost(at);
                 return Some(false);
             }
             Taken::Filtered { jumped } => {
                 if self.reactive.is_blind() {
                     self.move_phase(PhaseEvent::ImuBack);
+                    self.move_state(FlightEvent::ImuBack, at);
                 }
                 if jumped {
                     self.record.fault(Fault::ImuJump);
@@ -198,12 +205,18 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         }
     }
 
-    fn pass_gate(&mut self) -> Passed {
+    /// A command that is no number is passed over; several in a row cut the motors.
+    fn pass_gate(&mut self, now: Instant) -> Passed {
         let passed = self.safety.pass(&self.graph.mixed().shares);
-        if passed.refused {
-            self.record.fault(Fault::Command);
+        if passed.refused == 0 {
+            return passed;
         }
-        passed
+        self.record.fault(Fault::Command);
+        if passed.refused < NOT_FINITE_LIMIT {
+            return passed;
+        }
+        self.move_state(FlightEvent::NotFinite, now);
+        self.safety.pass(&self.graph.mixed().shares)
     }
 
     /// What a run taught, and what follows; its samples are the new references.
@@ -304,26 +317,19 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// may be run by the other chip often enough that the failsafe never is.
     fn check_silences(&mut self, now: Instant) {
         if self.sensing.notice_silence(now) {
-            self.on_imu_silent();
+            self.record.fault(Fault::ImuSilent);
+            self.on_imu_lost(now);
         }
         for input in self.chips.notice_silence(now).iter() {
             self.record.fault(Fault::ChipSilent(input));
             self.on_chip_lost(input);
         }
-        let armed = self.safety.is_armed();
-        if let Some((aim, event)) = self.demand.after_silence(now, armed, &self.graph) {
-            self.fly(now, aim);
-            self.record.event(event);
-        }
+        self.check_demand(now);
     }
 
-    fn on_imu_silent(&mut self) {
-        self.record.fault(Fault::ImuSilent);
-        self.move_arming(ArmingEvent::ImuLost);
+    fn on_imu_lost(&mut self, now: Instant) {
         self.move_phase(PhaseEvent::Fail(FallbackReason::ImuLost));
-        if self.safety.arming() == Arming::Calibrating {
-            self.sensing.forget_calibration();
-        }
+        self.move_state(FlightEvent::ImuLost, now);
     }
 
     // The chips that compare.
@@ -398,7 +404,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         match message {
             Message::Heartbeat => {}
             Message::Setpoint(setpoint) => self.on_setpoint(at, setpoint),
-            Message::Arm(arm) => return self.on_arm(*arm),
+            Message::Arm(arm) => return self.on_arm(at, arm),
+            Message::TestMotor(test) => return self.on_motor_test(at, test),
             Message::Pose(pose) => self.on_pose(at, pose),
             Message::Goal(destination) => self.on_goal(at, destination),
         }
@@ -415,8 +422,10 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         if Reactive::are_aerobatics(turning) {
             self.move_phase(PhaseEvent::Fail(FallbackReason::Aerobatics));
         }
-        self.fly(at, Aim::Setpoint(*setpoint));
-        self.reactive.take_setpoint(setpoint, first);
+        if self.obeys(at, first) {
+            self.fly(at, Aim::Setpoint(*setpoint));
+            self.reactive.take_setpoint(setpoint, first);
+        }
     }
 
     /// A goal joins: the next run flies to it. Past its quantum it forces one.
@@ -428,13 +437,17 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.record.fault(Fault::Goal);
             return;
         }
+        let first = self.demand.is_silent();
+        self.demand.take_goal(at);
+        if !self.obeys(at, first) {
+            return;
+        }
         self.advance(at);
         let before = self.graph.flown_to();
         // The heading at the beginning: one taken anew each time would turn with every error.
         let heading = before.map_or_else(|| self.graph.estimate().heading(), |goal| goal.heading);
         let goal = destination.goal(heading);
         self.fly(at, Aim::Goal(goal));
-        self.demand.take_goal(at);
         self.reactive.take_goal(before.as_ref(), &goal);
     }
 
@@ -477,54 +490,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             .on_joined(self.graph.mixed(), &self.sensing.motion());
     }
 
-    fn on_arm(&mut self, arm: bool) -> (Next, Option<Answer>) {
-        if !arm {
-            self.move_arming(ArmingEvent::Disarm);
-            // The motors stop now, not when the next sample comes.
-            self.reactive.force(Reason::Ground);
-            return (Next::Hyperperiod, Some(Answer::Accepted));
-        }
-        let moved = self.safety.arm(self.graph.estimate().down_in_body());
-        let answer = if self.settle_arming(moved) {
-            Answer::Accepted
-        } else {
-            Answer::TemporarilyRejected
-        };
-        (Next::Wait, Some(answer))
-    }
-
     // States.
-
-    fn move_arming(&mut self, event: ArmingEvent) {
-        let moved = self.safety.on_event(event);
-        self.settle_arming(moved);
-    }
-
-    /// What a new arming state brings with it; false where it was refused.
-    fn settle_arming(&mut self, moved: Result<Option<Arming>, Refusal>) -> bool {
-        match moved {
-            Ok(Some(arming)) => {
-                self.record.event(Event::Arming(arming));
-                self.on_arming_changed(arming);
-            }
-            Ok(None) => {}
-            Err(refusal) => self.record.event(Event::Refused(refusal)),
-        }
-        moved.is_ok()
-    }
-
-    fn on_arming_changed(&mut self, arming: Arming) {
-        let event = match arming {
-            Arming::Armed => PhaseEvent::Armed,
-            Arming::Disarmed | Arming::Calibrating => {
-                // The next flight shall not begin with the thrust that this one ended with.
-                self.fly(self.record.clock(), Aim::Setpoint(Setpoint::default()));
-                self.demand.forget();
-                PhaseEvent::Disarmed
-            }
-        };
-        self.move_phase(event);
-    }
 
     /// The chips compare with the thresholds of the models.
     fn want_thresholds(&mut self) {
@@ -663,11 +629,22 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         self.record.events().pop()
     }
 
+    /// The oldest notice that waits to be told to the pilot; [`Self::on_told`] is the next step.
+    #[must_use]
+    pub fn notice(&self) -> Option<Notice> {
+        self.record.notice_due()
+    }
+
+    /// The pilot was told the oldest notice.
+    pub fn on_told(&mut self) {
+        self.record.on_told();
+    }
+
     /// The state in brief.
     #[must_use]
     pub fn telemetry(&self) -> Telemetry {
         Telemetry {
-            arming: self.safety.arming(),
+            state: self.safety.state(),
             phase: self.reactive.phase(),
             attitude: self.graph.estimate(),
             runs: self.reactive.runs(),

@@ -9,6 +9,7 @@ mod attitude_law;
 pub mod cleanflight;
 mod goal;
 mod integral;
+mod motor_test;
 mod observer_law;
 mod one_pole;
 pub mod openpilot;
@@ -17,6 +18,7 @@ mod setpoint;
 
 pub use attitude_law::{AttitudeLaw, Wanted};
 pub use goal::Goal;
+pub use motor_test::MotorTest;
 pub use observer_law::{ObserverLaw, ObserverState, ObserverStretch};
 pub use rate_law::{RateInput, RateLaw, RateState, RateStretch};
 pub use setpoint::{Setpoint, Yaw};

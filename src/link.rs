@@ -2,7 +2,7 @@
 //!
 //! [`Parser`] turns bytes in any chunking into [`Incoming`] messages, [`Sender`] makes the
 //! few frames that the drone sends. Only what is flown is decoded: HEARTBEAT,
-//! SET_ATTITUDE_TARGET, SET_POSITION_TARGET_LOCAL_NED, COMMAND_LONG and ODOMETRY. The crate
+//! SET_ATTITUDE_TARGET, SET_POSITION_TARGET_LOCAL_NED, COMMAND_LONG, COMMAND_INT and ODOMETRY. The crate
 //! `mavlink` supplies the messages' layouts, checksums and enumerations; its reader is left out,
 //! because it decodes the whole dialect (hundreds of messages, more than the flash budget).
 //!
@@ -20,21 +20,28 @@
 //! - Noise that looks like the start of a frame of another kind takes up to 267 following
 //!   bytes with it, or [`PATIENCE`], whichever ends first.
 
+mod admission;
 mod counters;
 mod decode;
 mod encode;
 mod framing;
 mod message;
+mod notice;
 mod parser;
 mod peers;
+mod roles;
+mod signing;
 #[cfg(test)]
 mod tests;
 
+pub use admission::Incoming;
 pub use counters::LinkCounters;
 pub use encode::{Frame, LONGEST_FRAME_OUT, Sender, Status};
-pub use message::{Answer, Destination, ExternalPose, Message};
-pub use parser::{Feed, Incoming, Parser};
+pub use message::{Answer, ArmCommand, Destination, ExternalPose, Message};
+pub use notice::{Notice, Severity};
+pub use parser::{Feed, Parser};
 pub use peers::Peer;
+pub use signing::{Signing, SigningKey};
 
 use crate::time::{Duration, micros};
 use mavlink::dialects::common::MavCmd;
@@ -47,6 +54,9 @@ pub const COMPONENT: u8 = 1;
 
 /// Number of the command that arms and disarms (MAV_CMD_COMPONENT_ARM_DISARM).
 pub const ARM_DISARM: u16 = MavCmd::MAV_CMD_COMPONENT_ARM_DISARM as u16;
+
+/// Number of the command that turns one motor (MAV_CMD_DO_MOTOR_TEST).
+pub const MOTOR_TEST: u16 = MavCmd::MAV_CMD_DO_MOTOR_TEST as u16;
 
 /// How long a frame may take to arrive.
 ///

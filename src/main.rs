@@ -5,7 +5,7 @@
 //!
 //! | task | bound to | priority | budget | shared | when late |
 //! |---|---|---|---|---|---|
-//! | `imu_ready` | EXTI0 | 6 | 2 us | `imu_bus` | the sample's stamp is late by as much |
+//! | `imu_ready`, `imu_due` | EXTI0, TIM2 | 6 | 2 us | `imu_line`, `imu_bus` | the sample's stamp is late by as much |
 //! | `accel_threshold`, `mag_event` | EXTI1, EXTI2 | 6 | 1 us | `fetches` | as above |
 //! | `imu_step` | I2C1_EV | 5 | 1 us | `imu_bus` | the bus waits, the burst takes longer |
 //! | `imu_failed` | I2C1_ER | 5 | 2 us | `imu_bus` | as above |
@@ -40,26 +40,22 @@ fn main() {
 #[cfg(target_os = "none")]
 #[rtic::app(device = stm32f4xx_hal::pac, dispatchers = [CAN1_TX, CAN1_RX0, CAN1_RX1])]
 mod app {
+    use crate::board::guarded::{Guarded, Piloted};
+    use crate::board::{
+        self, ChipLine, Chips, Engine, Gauge, ImuLine, Link, Motors, SIGNS, Sign, Started,
+        Watchdog, calls, now, sleep, sleep_until,
+    };
     use cortex_m::singleton;
     use defmt_rtt as _;
     use reflex::app::{Autopilot, CallRing};
-    use reflex::reset::Sign;
     use reflex::tasks::chips::{self as owner, Fetches};
-    use reflex::tasks::{Board, Lock as _, Task, control, imu, link};
+    use reflex::tasks::{Board, Task, control, imu, link};
     use reflex::time::Instant;
     use rtic::Mutex;
     use stm32f4xx_hal::pac::Interrupt;
 
-    use crate::board::guarded::{Guarded, Piloted};
-    use crate::board::{
-        self, ChipLine, Chips, Engine, Gauge, ImuLine, Link, Motors, SIGNS, Started, Watchdog,
-        calls, now, sleep, sleep_until,
-    };
-
     const HYPERPERIOD: Interrupt = Interrupt::CAN2_TX;
     const CHIPS: Interrupt = Interrupt::CAN2_RX0;
-    /// Events that idle logs before it looks for a refit again.
-    const MOST_EVENTS: usize = 8;
 
     /// The autopilot with its call log.
     pub type Pilot = Autopilot<&'static mut CallRing>;
@@ -91,6 +87,8 @@ mod app {
     struct Shared {
         autopilot: &'static mut Pilot,
         motors: Motors,
+        #[lock_free]
+        imu_line: ImuLine,
         imu_bus: Engine,
         fetches: Fetches,
         link: Link,
@@ -98,7 +96,6 @@ mod app {
 
     #[local]
     struct Local {
-        imu_line: ImuLine,
         accel_line: ChipLine,
         mag_line: ChipLine,
         chips: Chips,
@@ -115,13 +112,13 @@ mod app {
         let shared = Shared {
             autopilot: pilot(&board, calls),
             motors: board.motors,
+            imu_line: board.imu_line,
             imu_bus: board.imu_bus,
             fetches: Fetches::default(),
             link: board.link,
         };
         let [accel_line, mag_line] = board.chip_lines;
         let local = Local {
-            imu_line: board.imu_line,
             accel_line,
             mag_line,
             chips: board.chips,
@@ -142,10 +139,18 @@ mod app {
     }
 
     /// Stamps the MPU6050's sample and starts its burst.
-    #[task(binds = EXTI0, priority = 6, local = [imu_line], shared = [imu_bus])]
+    #[task(binds = EXTI0, priority = 6, shared = [imu_line, imu_bus])]
     fn imu_ready(mut cx: imu_ready::Context) {
-        let at = cx.local.imu_line.heard();
-        cx.shared.imu_bus.lock(|bus| bus.start_burst(at));
+        let edge = cx.shared.imu_line.heard();
+        cx.shared.imu_bus.lock(|bus| bus.on_edge(edge));
+    }
+
+    /// Hears the line again after one that came too soon; starts a burst for one that stays away.
+    #[task(binds = TIM2, priority = 6, shared = [imu_line, imu_bus])]
+    fn imu_due(mut cx: imu_due::Context) {
+        if let Some(edge) = cx.shared.imu_line.on_timer() {
+            cx.shared.imu_bus.lock(|bus| bus.on_edge(edge));
+        }
     }
 
     /// The LSM303AGR's accelerometer interrupts.
@@ -249,11 +254,10 @@ mod app {
     /// Once a second: measures the battery, tells the peer that the drone is there, and its state.
     #[task(priority = 2, local = [gauge], shared = [link, autopilot])]
     async fn heartbeat(cx: heartbeat::Context) {
-        let (mut link, mut autopilot) = (cx.shared.link, Piloted(cx.shared.autopilot));
+        let (mut link, mut autopilot) = (Guarded(cx.shared.link), Piloted(cx.shared.autopilot));
         loop {
             cx.local.gauge.tell(&mut autopilot);
-            let state = autopilot.lock(|pilot| pilot.telemetry());
-            if let Some(counters) = link.lock(|link| link.beat(state.arming)) {
+            if let Some(counters) = link::beat(&mut Vectors, &mut link, &mut autopilot) {
                 defmt::warn!("link: {}", counters);
             }
             SIGNS.give(Sign::Link);
@@ -261,13 +265,13 @@ mod app {
         }
     }
 
-    /// Frees the I2C bus and configures the MPU6050 anew; bursts pause meanwhile.
+    /// Frees the I2C bus and configures the MPU6050 anew, or resets it; bursts pause meanwhile.
     #[task(priority = 1, local = [failed: bool = false], shared = [imu_bus])]
     async fn repair_imu(cx: repair_imu::Context) {
         let mut engine = cx.shared.imu_bus;
-        if let Some(mut bus) = engine.lock(|engine| engine.lend()) {
-            let fault = board::imu::repair(&mut bus, cx.local.failed);
-            engine.lock(|engine| engine.give_back(bus, fault));
+        if let Some((mut bus, remedy)) = engine.lock(|engine| engine.lend()) {
+            let repaired = board::imu::repair(&mut bus, remedy, cx.local.failed).await;
+            engine.lock(|engine| engine.give_back(bus, &repaired));
         }
     }
 
@@ -290,10 +294,7 @@ mod app {
                 }
                 autopilot.lock(|pilot| pilot.on_sounded(now()));
             }
-            let mut next = |_| autopilot.lock(|pilot| pilot.next_event());
-            for event in (0..MOST_EVENTS).map_while(&mut next) {
-                board::log(&event);
-            }
+            board::log(|| autopilot.lock(|pilot| pilot.next_event()));
         }
     }
 }

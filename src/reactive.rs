@@ -679,6 +679,14 @@ impl Reactive {
         self.learners.lesson(input).decision.fit()
     }
 
+    /// False where a model is no number.
+    #[must_use]
+    pub fn are_models_sane(&self) -> bool {
+        Input::ALL
+            .into_iter()
+            .all(|input| self.fit(input).is_usable())
+    }
+
     /// How often runs in reactive control turned out this way.
     #[must_use]
     pub fn outcomes(&self, outcome: Outcome) -> u32 {

@@ -1,25 +1,29 @@
 //! What stands between the control logic and the motors.
 
-mod arming;
+mod checks;
+mod flight_state;
 mod motor_gate;
+mod watch;
 
-pub use arming::{Arming, ArmingEvent, Refusal};
+pub use checks::{Check, Checks};
+pub use flight_state::{FlightEvent, FlightState, InTheAir};
 pub use motor_gate::{MotorGate, MotorOutput};
+pub use watch::Seen;
 
 use crate::airframe::MotorShares;
-use crate::math::Vec3;
+use crate::config::MOTOR_TEST_TIME;
+use crate::control::MotorTest;
+use crate::time::Instant;
+use crate::units::Thrust;
+use watch::Watch;
 
-/// Cosine of the tilt beyond which arming is refused: 60 degrees.
-///
-/// A drone that lies on its side, or whose chips are mounted another way than face down, would
-/// turn over.
-const LEAST_UPRIGHT: f32 = 0.5;
-
-/// The arming state, and the gate that follows it.
+/// The state of the flight, the gate that follows it, and the watch for its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Safety {
-    arming: Arming,
+    state: FlightState,
     gate: MotorGate,
+    watch: Watch,
+    test: Option<MotorTest>,
 }
 
 /// What the gate made of a command.
@@ -29,8 +33,8 @@ pub struct Passed {
     pub output: MotorOutput,
     /// The command that was applied until now.
     pub before: MotorShares,
-    /// The command was not finite: the applied one stays.
-    pub refused: bool,
+    /// How many commands in a row, with this one, were refused because they were not finite.
+    pub refused: u32,
 }
 
 impl Safety {
@@ -38,21 +42,23 @@ impl Safety {
     #[must_use]
     pub fn new(motors: usize) -> Self {
         Self {
-            arming: Arming::default(),
+            state: FlightState::Calibrating,
             gate: MotorGate::new(motors),
+            watch: Watch::default(),
+            test: None,
         }
     }
 
-    /// The arming state.
+    /// The state of the flight.
     #[must_use]
-    pub fn arming(&self) -> Arming {
-        self.arming
+    pub fn state(&self) -> FlightState {
+        self.state
     }
 
     /// True where motors follow the control logic.
     #[must_use]
     pub fn is_armed(&self) -> bool {
-        self.arming == Arming::Armed
+        self.state.is_armed()
     }
 
     /// The command that the motors hold.
@@ -61,36 +67,58 @@ impl Safety {
         self.gate.applied()
     }
 
-    /// Arms, unless the drone is tilted; `down` points down, of length 1, in body axes.
+    /// Moves the state; the new one where it differs.
     ///
     /// # Errors
-    /// Why it is refused.
-    pub fn arm(&mut self, down: Vec3) -> Result<Option<Arming>, Refusal> {
-        if self.arming == Arming::Disarmed && down.z < LEAST_UPRIGHT {
-            return Err(Refusal::Tilted);
+    /// A disarm in the air without force.
+    pub fn on_event(
+        &mut self,
+        event: FlightEvent,
+        now: Instant,
+    ) -> Result<Option<FlightState>, InTheAir> {
+        let state = self.state.after(event)?;
+        let differs = state != self.state;
+        if differs {
+            self.state = state;
+            self.watch.begin(state, now);
         }
-        self.on_event(ArmingEvent::Arm)
+        Ok(differs.then_some(state))
     }
 
-    /// Moves the arming state; the new one where it differs.
-    ///
-    /// # Errors
-    /// Why an arm command is refused.
-    pub fn on_event(&mut self, event: ArmingEvent) -> Result<Option<Arming>, Refusal> {
-        let arming = self.arming.after(event)?;
-        let differs = arming != self.arming;
-        self.arming = arming;
-        Ok(differs.then_some(arming))
+    /// A motor of the airframe is to be tested: what [`FlightState::Testing`] turns.
+    pub fn plan_test(&mut self, now: Instant, test: &MotorTest) {
+        self.test = Some(*test);
+        self.watch.begin_test(now, test.length.min(MOTOR_TEST_TIME));
     }
 
-    /// Lets a command pass, as the arming state allows.
+    /// What a run sees; an event where it ends the state.
+    pub fn watch(&mut self, seen: &Seen) -> Option<FlightEvent> {
+        self.watch.take(self.state, seen)
+    }
+
+    /// Lets a command pass, as the state allows.
     pub fn pass(&mut self, command: &MotorShares) -> Passed {
-        let (before, refused) = (*self.gate.applied(), self.gate.refused());
-        let output = self.gate.pass(self.arming, command);
+        let before = *self.gate.applied();
+        let tested = self.test.filter(|_| self.state == FlightState::Testing);
         Passed {
-            output,
+            output: match &tested {
+                Some(test) => self.gate.test(test),
+                None => self.gate.pass(self.is_armed(), command),
+            },
             before,
-            refused: self.gate.refused() != refused,
+            refused: self.gate.refused_in_a_row(),
         }
+    }
+
+    /// The mean thrust that was flown: about that of hovering.
+    #[must_use]
+    pub fn mean_thrust(&self) -> Thrust {
+        self.watch.mean_thrust()
+    }
+
+    /// The thrust of a descent that sees no place.
+    #[must_use]
+    pub fn descent_thrust(&self) -> Thrust {
+        self.watch.descent_thrust()
     }
 }

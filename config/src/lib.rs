@@ -1,7 +1,7 @@
 //! Typed, checked reading of the TOML that users edit.
 //!
 //! `selection.toml` names a board, an airframe and a control logic, `reactive.toml` says when
-//! control runs. The build of `reflex` turns them into constants ([`Configuration::to_rust`]),
+//! control runs, `safety.toml` what ends a flight. The build of `reflex` turns them into constants ([`Configuration::to_rust`]),
 //! so that the target parses nothing. Every value has one range, checked as it is read; an
 //! unknown key, a wrong type or a value out of its range is one line with file, line and key.
 
@@ -14,6 +14,7 @@ mod logic;
 mod range;
 mod reactive;
 mod rust;
+mod safety;
 mod values;
 mod vehicle;
 
@@ -58,6 +59,8 @@ pub struct Configuration {
     pub settings: Settings,
     /// When control runs, and how it learns when to.
     pub reactive: Values,
+    /// When motors may turn, and what ends a flight.
+    pub safety: Values,
     /// What may vary on the board's wiring.
     pub board: Values,
     /// Where the motors are.
@@ -133,6 +136,7 @@ pub fn load_chosen(
         board: &board,
     };
     files.check(&document, &board_file)?;
+    let safety = Document::open(&dir.join("safety.toml"))?.values(&safety::file())?;
     let settings = files
         .settings()
         .ok_or_else(|| ConfigError::of_file(dir, "a setting has a value of another kind"))?;
@@ -141,6 +145,7 @@ pub fn load_chosen(
         selection,
         settings,
         reactive,
+        safety,
         board,
         airframe,
         logics,

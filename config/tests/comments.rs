@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use reflex_settings::gains::LOGICS;
-use reflex_settings::{BOARD, Declared, INPUT, Kind, REACTIVE, Setting, Settings};
+use reflex_settings::{BOARD, Declared, INPUT, Kind, REACTIVE, SAFETY, Setting, Settings};
 
 /// The comment of a key: the lines above it and what follows its value, as one line.
 fn comment(text: &str, setting: &Setting) -> String {
@@ -76,6 +76,11 @@ fn every_comment_of_reactive_toml_says_range_and_default() {
 fn every_comment_of_the_board_says_range_and_default() {
     let chosen = Settings::SETTINGS.iter().filter(|setting| setting.of_board);
     check("boards/reflex_f427.toml", chosen.chain(BOARD));
+}
+
+#[test]
+fn every_comment_of_safety_toml_says_range_and_default() {
+    check("safety.toml", SAFETY.iter());
 }
 
 #[test]

@@ -27,12 +27,20 @@ pub use setup::{AccelRange, GyroRange, ImuConfig, InterruptPin, InterruptSource,
 
 use crate::error::{Chip, Error, expect_identity, expect_register};
 pub use crate::registers::mpu6050 as register;
-use register::{ACCEL_CONFIG, WHO_AM_I};
+use register::{ACCEL_CONFIG, PWR_MGMT_1, SIGNAL_PATH_RESET, WHO_AM_I};
 
 /// Address on the bus with the pin AD0 low.
 pub const ADDRESS: u8 = 0x68;
 /// WHO_AM_I, whatever the address.
 pub const IDENTITY: u8 = 0x68;
+
+/// A reset in two steps, each with a wait behind it in us: the whole chip, then its signal paths
+/// (RM-MPU-6000A, registers 104 and 107).
+const RESETS: [(u8, u8); RESET_STEPS as usize] = [(PWR_MGMT_1, 0x80), (SIGNAL_PATH_RESET, 0x07)];
+/// Steps of [`Mpu6050::reset`].
+pub const RESET_STEPS: u8 = 2;
+/// To wait behind each step, in us.
+pub const RESET_WAIT_US: u64 = 100_000;
 
 /// The MPU6050 on I2C.
 #[derive(Debug)]
@@ -54,6 +62,18 @@ impl<I2C: I2c> Mpu6050<I2C> {
     pub fn check_identity(&mut self) -> Result<(), Error<I2C::Error>> {
         let found = self.read(WHO_AM_I)?;
         expect_identity(Chip::Mpu6050, IDENTITY, found)
+    }
+
+    /// A step of a reset, 0 to [`RESET_STEPS`] less one; [`RESET_WAIT_US`] is to pass behind it. The
+    /// chip then sleeps until [`Self::configure`].
+    ///
+    /// # Errors
+    /// The bus's.
+    pub fn reset(&mut self, step: u8) -> Result<(), Error<I2C::Error>> {
+        match RESETS.get(usize::from(step)) {
+            Some(&(register, value)) => self.write(register, value),
+            None => Ok(()),
+        }
     }
 
     /// Wakes the chip, writes the whole configuration, then checks all of it.

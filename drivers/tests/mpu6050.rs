@@ -11,7 +11,7 @@ use reflex_drivers::{
     mpu6050::{
         ADDRESS, AccelRange, BURST_LENGTH, BURST_START, GyroRange, ImuBurst, ImuConfig,
         InterruptPin, InterruptSource, InterruptStatus, LowPass, MotionDecrement, MotionDetector,
-        MotionHighPass, MotionThreshold, Mpu6050,
+        MotionHighPass, MotionThreshold, Mpu6050, RESET_STEPS,
     },
 };
 
@@ -270,4 +270,14 @@ fn the_crate_mpu6050_runs_on_a_lent_bus_and_leaves_it_usable() {
         .unwrap();
     Mpu6050::new(lent, ADDRESS).check_identity().unwrap();
     bus.done();
+}
+
+#[test]
+fn a_reset_is_the_chip_first_and_its_signal_paths_then() {
+    on_bus(&[write(0x6B, 0x80), write(0x68, 0x07)], |mut chip| {
+        for step in 0..RESET_STEPS {
+            chip.reset(step).unwrap();
+        }
+        chip.reset(RESET_STEPS).unwrap();
+    });
 }

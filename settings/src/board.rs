@@ -88,6 +88,18 @@ pub const BOARD: &[Setting] = &[
     .default("1")
     .named("SETPOINT_TIMEOUT")
     .meaning("Time without a setpoint after which it is lost."),
+    Setting::of(
+        ["link", "pilot_timeout_s"],
+        Kind::Span(within(1.0, 60.0)),
+        "s",
+    )
+    .default("5")
+    .named("PILOT_TIMEOUT")
+    .meaning("Time without a frame of the pilot after which another may command."),
+    Setting::of(["link", "wired"], Kind::Flag, "")
+        .default("true")
+        .named("LINK_WIRED")
+        .meaning("Whether the link is a cable: a signing key is taken from nothing else."),
     battery("volts_per_volt", Kind::Number(within(0.0, 100.0)), "V")
         .default("10.1")
         .named("BATTERY_VOLTS_PER_VOLT")

@@ -3,7 +3,7 @@
 //! - [`Setting`]: name, place in TOML, kind and range, unit, meaning, option of one value
 //! - [`declare!`]: a struct of settings, fields and declarations in one place
 //! - [`Settings`]: what may be chosen at each start; a [`Start`] is given them, airframe and gains
-//! - [`REACTIVE`], [`INPUT`], [`BOARD`]: what is fixed by a build
+//! - [`REACTIVE`], [`INPUT`], [`SAFETY`], [`BOARD`]: what is fixed by a build
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
@@ -18,6 +18,7 @@ mod inputs;
 mod logics;
 mod range;
 mod reactive;
+mod safety;
 mod setting;
 mod settings;
 mod text;
@@ -33,6 +34,7 @@ pub use declare::{Declared, Field};
 pub use inputs::{Declaration, Input, Inputs, Rate, Source, Unit};
 pub use range::{Range, above, between, from_below, one_of, within};
 pub use reactive::{INPUT, REACTIVE, of_input};
+pub use safety::SAFETY;
 pub use setting::{Kind, Limit, Limits, OutOfRange, Path, Setting, Value, Written};
 pub use settings::{Settings, WarmUp};
 pub use text::Unreadable;

@@ -162,6 +162,7 @@ mod tests {
         for setting in Settings::SETTINGS
             .iter()
             .chain(crate::REACTIVE)
+            .chain(crate::SAFETY)
             .chain(crate::rates())
             .chain(crate::BOARD)
         {
@@ -179,6 +180,7 @@ mod tests {
             Settings::SETTINGS
                 .iter()
                 .chain(crate::REACTIVE)
+                .chain(crate::SAFETY)
                 .chain(crate::rates())
                 .chain(crate::BOARD)
         };

@@ -4,19 +4,20 @@
 //!
 //! | falls silent | flown | then |
 //! |---|---|---|
-//! | the peer | a setpoint | level, heading free, at its thrust |
-//! | the peer | a goal, armed | the goal's place is held, for as long as places come |
-//! | the peer | a goal, on the ground | no thrust: a late take-off would surprise everybody |
-//! | places | a goal | level, heading free, at the thrust last commanded |
+//! | the peer | a setpoint | level, heading free, at the mean thrust flown |
+//! | the peer | a goal | the goal's place is held, for as long as places come |
+//! | places | a goal | level, heading free, at the mean thrust flown |
+//! | either | anything, on the ground | no thrust: a late take-off would surprise everybody |
 //!
 //! A place is held, because level flight drifts with the wind, and climbs or sinks: of what is
 //! known, staying is the safest. Loops that see no place are blind to both, and would go on
-//! leaning towards a goal that may be passed long ago.
+//! leaning towards a goal that may be passed long ago. What follows for the flight is in
+//! [`crate::safety::FlightState`]: it ends, unless the pilot comes back.
 
-use super::telemetry::Event;
-use crate::config::SETPOINT_TIMEOUT;
+use crate::config::{DESCENT_SPEED, SETPOINT_TIMEOUT};
 use crate::control::{Goal, Setpoint};
 use crate::graph::ControlLogic;
+use crate::math::Vec3;
 use crate::time::{Duration, Instant, micros, seconds, span};
 use crate::units::Velocity;
 
@@ -35,6 +36,18 @@ pub(super) enum Aim {
     Goal(Goal),
 }
 
+/// Something that the drone is flown by, and that stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum Silence {
+    /// The peer's setpoints.
+    Setpoint,
+    /// The peer's goals.
+    Goal,
+    /// Places, while a goal was flown.
+    Place,
+}
+
 /// When demands and places come, and how fast setpoints turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Demand {
@@ -44,6 +57,8 @@ pub(super) struct Demand {
     turning: f32,
     /// When the newest place came.
     placed_at: Option<Instant>,
+    /// When the goal of a descent last sank.
+    sank_at: Option<Instant>,
 }
 
 impl Demand {
@@ -86,6 +101,7 @@ impl Demand {
     pub(super) fn forget(&mut self) {
         self.newest = None;
         self.turning = 0.0;
+        self.sank_at = None;
     }
 
     /// True where no demand is in force that came from the peer.
@@ -99,48 +115,41 @@ impl Demand {
             .is_some_and(|at| span(at, now) <= SETPOINT_TIMEOUT)
     }
 
-    /// What is flown must not outlive what it is flown by: what follows, and why; see above.
-    pub(super) fn after_silence(
+    /// The goal of a descent, which sinks as time passes.
+    pub(super) fn sink(&mut self, now: Instant, goal: Goal) -> Goal {
+        let since = self.sank_at.replace(now).unwrap_or(now);
+        let mut goal = Goal {
+            velocity: Velocity(Vec3::new(0.0, 0.0, DESCENT_SPEED)),
+            ..goal
+        };
+        goal.position.0.z += DESCENT_SPEED * seconds(span(since, now));
+        goal
+    }
+
+    /// What fell silent: what is flown must not outlive what it is flown by.
+    pub(super) fn notice_silence(
         &mut self,
         now: Instant,
-        armed: bool,
         graph: &impl ControlLogic,
-    ) -> Option<(Aim, Event)> {
+    ) -> Option<Silence> {
         let silent = self
             .newest
             .is_some_and(|at| span(at, now) > SETPOINT_TIMEOUT);
-        let follows = match graph.flown_to() {
-            Some(_) if !self.knows_place(now) => (level(armed, graph), Event::PlaceLost),
-            Some(goal) if silent && armed => (stand_still(goal), Event::GoalHeld),
-            _ if silent => (level(armed, graph), Event::SetpointLost),
+        let silence = match graph.flown_to() {
+            Some(_) if !self.knows_place(now) => Silence::Place,
+            Some(_) if silent => Silence::Goal,
+            _ if silent => Silence::Setpoint,
             _ => return None,
         };
         self.forget();
-        Some(follows)
+        Some(silence)
     }
-}
-
-/// A goal that nobody moves any more stands still.
-fn stand_still(goal: Goal) -> Aim {
-    Aim::Goal(Goal {
-        velocity: Velocity::default(),
-        ..goal
-    })
-}
-
-/// Level, heading free; after a goal on the ground without thrust.
-fn level(armed: bool, graph: &impl ControlLogic) -> Aim {
-    Aim::Setpoint(match graph.flown_to() {
-        None => Setpoint::level(graph.flown().thrust),
-        Some(_) if armed => Setpoint::level(graph.collective()),
-        Some(_) => Setpoint::default(),
-    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{Quaternion, Vec3};
+    use crate::math::Quaternion;
     use crate::time::at_micros;
     use crate::units::Thrust;
 

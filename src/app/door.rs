@@ -42,6 +42,12 @@ numbered! {
         Goal,
         /// Predicted commands missed twice in a row: they are foreseen exactly for a while.
         Prediction,
+        /// The inertial sensor's bus flagged an error that the transfer did not notice.
+        ImuGlitch,
+        /// The inertial sensor's interrupt line fell silent: it is read by the clock.
+        ImuLine,
+        /// The inertial sensor's interrupt line told of a sample sooner than one can come.
+        ImuEdge,
     }
 }
 

@@ -3,9 +3,17 @@
 use super::call::{Call, Ran, Recorder};
 use super::door::Fault;
 use super::telemetry::{Event, Events, RunCounter};
+use crate::link::Notice;
 use crate::reactive::{Label, Reason};
 use crate::sensors::Input;
-use crate::time::Instant;
+use crate::time::{Duration, Instant, micros, span};
+use heapless::Deque;
+
+/// Room for notices between two beats of the link.
+const NOTICES: usize = 8;
+
+/// How long a failure speaks against arming.
+const SECOND: Duration = micros(1_000_000);
 
 /// What happened so far, and when the newest of it did.
 #[derive(Debug)]
@@ -16,6 +24,11 @@ pub(super) struct Record<R> {
     faults: [u32; Fault::COUNT],
     runs: RunCounter,
     events: Events,
+    notices: Deque<Notice, NOTICES>,
+    /// When a sensor's bus or configuration last failed.
+    sensor_failed_at: Option<Instant>,
+    /// When a run was last late.
+    ran_late_at: Option<Instant>,
 }
 
 impl<R: Recorder> Record<R> {
@@ -27,6 +40,9 @@ impl<R: Recorder> Record<R> {
             faults: [0; Fault::COUNT],
             runs: RunCounter::new(start),
             events: Events::default(),
+            notices: Deque::new(),
+            sensor_failed_at: None,
+            ran_late_at: None,
         }
     }
 
@@ -77,6 +93,15 @@ impl<R: Recorder> Record<R> {
     #[cold]
     #[inline(never)]
     pub(super) fn fault(&mut self, fault: Fault) {
+        match fault {
+            Fault::LateRun => self.ran_late_at = Some(self.clock),
+            Fault::ImuBus
+            | Fault::ImuOverrun
+            | Fault::ImuStale
+            | Fault::ImuConfiguration
+            | Fault::ChipBus => self.sensor_failed_at = Some(self.clock),
+            _ => {}
+        }
         if let Some(count) = self.faults.get_mut(usize::from(fault.number())) {
             *count = count.saturating_add(1);
             let count = *count;
@@ -87,9 +112,34 @@ impl<R: Recorder> Record<R> {
         }
     }
 
+    /// False where a sensor's bus or configuration failed within the last second.
+    pub(super) fn are_sensors_sound(&self, now: Instant) -> bool {
+        is_long_ago(self.sensor_failed_at, now)
+    }
+
+    /// False where a run was late within the last second.
+    pub(super) fn are_runs_in_time(&self, now: Instant) -> bool {
+        is_long_ago(self.ran_late_at, now)
+    }
+
     /// Queues an event for the log.
     pub(super) fn event(&mut self, event: Event) {
         self.events.push(event);
+    }
+
+    /// Queues a notice for the pilot; where there is no room, the log still tells it.
+    pub(super) fn notice(&mut self, notice: Notice) {
+        let _ = self.notices.push_back(notice);
+    }
+
+    /// The oldest notice that waits for the pilot.
+    pub(super) fn notice_due(&self) -> Option<Notice> {
+        self.notices.front().copied()
+    }
+
+    /// The pilot was told the oldest notice.
+    pub(super) fn on_told(&mut self) {
+        self.notices.pop_front();
     }
 
     /// The newest instant that any call carried.
@@ -119,4 +169,8 @@ impl<R: Recorder> Record<R> {
     pub(super) fn recorder(&mut self) -> &mut R {
         &mut self.recorder
     }
+}
+
+fn is_long_ago(at: Option<Instant>, now: Instant) -> bool {
+    at.is_none_or(|at| span(at, now) > SECOND)
 }

@@ -111,6 +111,11 @@ impl Sensing {
         self.silence.is_overlooked(now, self.patience * 2)
     }
 
+    /// True while the inertial sensor is silent.
+    pub(super) fn is_silent(&self) -> bool {
+        self.silence.lasts()
+    }
+
     /// What a run would take now.
     pub(super) fn motion(&self) -> Motion {
         self.arrival.motion()

@@ -4,11 +4,12 @@
 //! and counts it, so that logging never holds control up. Runs are counted, and told one by one
 //! for who asks for details; each carries its number, so a reader of the log sees gaps.
 
+use super::demand::Silence;
 use super::door::{ChipOrder, ChipSetting, Fault, OrderError};
 use crate::math::Quaternion;
 use crate::reactive::{FallbackReason, Fit, Phase, Reason};
 use crate::reset::Mode;
-use crate::safety::{Arming, Refusal};
+use crate::safety::{Checks, FlightEvent, FlightState};
 use crate::sensors::{Input, Inputs};
 use crate::time::{Duration, Instant, micros, span};
 use heapless::Deque;
@@ -52,18 +53,16 @@ pub enum Event {
     Programmed(Input, ChipSetting),
     /// A chip did not obey an order.
     OrderFailed(ChipOrder, OrderError),
-    /// The arming state changed.
-    Arming(Arming),
-    /// An arm command was refused.
-    Refused(Refusal),
+    /// The state of the flight changed, and why.
+    Flight(FlightState, FlightEvent),
+    /// Motors were not armed: what failed.
+    NotArmed(Checks),
+    /// Motors were not disarmed: the drone is in the air.
+    NotDisarmed,
     /// A fault was reported, or noticed; with how often so far.
     Fault(Fault, u32),
-    /// The peer's setpoints stopped: level, heading free.
-    SetpointLost,
-    /// The peer's goals stopped: the last one's place is held.
-    GoalHeld,
-    /// Positions stopped while a goal was flown: level, heading free.
-    PlaceLost,
+    /// Something that the drone is flown by stopped.
+    Silent(Silence),
 }
 
 /// How often control ran, by reason.
@@ -141,8 +140,8 @@ impl Events {
 /// The state in brief, for the link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Telemetry {
-    /// Whether motors may turn.
-    pub arming: Arming,
+    /// Whether motors may turn, and who says what is flown.
+    pub state: FlightState,
     /// How control runs.
     pub phase: Phase,
     /// Estimated attitude.

@@ -6,7 +6,7 @@ use crate::battery::{BatteryReading, BatteryState};
 use crate::config::{GEOMETRY, HYPERPERIOD, SETTINGS};
 use crate::control::Setpoint;
 use crate::graph::Cascade;
-use crate::link::{Answer, Message};
+use crate::link::{Answer, ArmCommand, Message};
 use crate::math::Vec3;
 use crate::reactive::{Fit, Refit};
 use crate::reset::{Ending, LastWords, Mode, Reset, ResetCause};
@@ -18,6 +18,7 @@ use crate::units::{BodyRates, SpecificForce, Thrust};
 use rig::{Rig, force, obeyed, turning};
 
 mod chips;
+mod flight;
 mod gaps;
 mod goals;
 mod rig;
@@ -46,11 +47,15 @@ fn it_refuses_to_arm_before_the_gyroscope_is_calibrated() {
     let mut rig = Rig::new(SETTINGS);
     rig.milliseconds(100, |_| Some(0));
     assert_eq!(
-        rig.tell(&Message::Arm(true)),
+        rig.tell(&Message::Arm(ArmCommand::ARM)),
         Some(Answer::TemporarilyRejected)
     );
     rig.milliseconds(1000, |_| Some(0));
-    assert_eq!(rig.tell(&Message::Arm(true)), Some(Answer::Accepted));
+    rig.fly_at(0.0);
+    assert_eq!(
+        rig.tell(&Message::Arm(ArmCommand::ARM)),
+        Some(Answer::Accepted)
+    );
 }
 
 #[test]
@@ -68,7 +73,7 @@ fn motors_stay_stopped_until_armed_and_stop_when_disarmed() {
             .iter()
             .all(|share| *share > 0.3)
     );
-    rig.tell(&Message::Arm(false));
+    rig.tell(&Message::Arm(ArmCommand::FORCED_DISARM));
     rig.milliseconds(10, |_| Some(0));
     assert!(stopped(&rig.outputs.last().expect("runs").1));
 }
@@ -237,8 +242,8 @@ fn without_a_gyroscope_no_torque_is_held() {
 fn a_new_flight_does_not_begin_with_the_thrust_of_the_last() {
     let mut rig = Rig::armed(SETTINGS);
     rig.milliseconds(100, |_| Some(0));
-    rig.tell(&Message::Arm(false));
-    rig.tell(&Message::Arm(true));
+    rig.tell(&Message::Arm(ArmCommand::FORCED_DISARM));
+    rig.tell(&Message::Arm(ArmCommand::ARM));
     rig.milliseconds(10, |_| Some(0));
     let shares = rig.outputs.last().expect("runs").1;
     assert!(shares.iter().all(|share| *share < 0.1), "{shares:?}");
@@ -249,7 +254,9 @@ fn a_disarm_stops_the_motors_without_waiting_for_a_sample() {
     let mut rig = Rig::armed(SETTINGS);
     rig.milliseconds(100, |_| Some(0));
     let now = at_micros(rig.now);
-    let (next, answer) = rig.autopilot.on_message(now, &Message::Arm(false));
+    let (next, answer) = rig
+        .autopilot
+        .on_message(now, &Message::Arm(ArmCommand::FORCED_DISARM));
     assert_eq!((next, answer), (Next::Hyperperiod, Some(Answer::Accepted)));
     let output = rig.autopilot.on_hyperperiod(now).expect("a run");
     assert!(stopped(&output.share()));
@@ -269,7 +276,7 @@ fn a_drone_on_its_side_is_not_armed() {
         let _ = rig.autopilot.on_hyperperiod(now);
     }
     assert_eq!(
-        rig.tell(&Message::Arm(true)),
+        rig.tell(&Message::Arm(ArmCommand::ARM)),
         Some(Answer::TemporarilyRejected)
     );
 }
@@ -281,11 +288,15 @@ fn a_gyroscope_lost_on_the_ground_is_calibrated_anew_and_from_the_start() {
     rig.milliseconds(500, |_| None);
     rig.milliseconds(100, |_| Some(0));
     assert_eq!(
-        rig.tell(&Message::Arm(true)),
+        rig.tell(&Message::Arm(ArmCommand::ARM)),
         Some(Answer::TemporarilyRejected)
     );
     rig.milliseconds(600, |_| Some(0));
-    assert_eq!(rig.tell(&Message::Arm(true)), Some(Answer::Accepted));
+    rig.fly_at(0.0);
+    assert_eq!(
+        rig.tell(&Message::Arm(ArmCommand::ARM)),
+        Some(Answer::Accepted)
+    );
 }
 
 #[test]
@@ -308,7 +319,7 @@ fn a_silent_peer_leaves_the_drone_level() {
     rig.milliseconds(3_000, gusty);
     let mut lost = false;
     while let Some(event) = rig.autopilot.next_event() {
-        lost |= event == Event::SetpointLost;
+        lost |= event == Event::Silent(Silence::Setpoint);
     }
     // The queue is short and full of runs: the setpoint itself shows it too.
     let level = rig.autopilot.graph.setpoint().attitude;

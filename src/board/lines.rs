@@ -25,4 +25,15 @@ impl<P: ExtiPin> Line<P> {
         self.0.clear_interrupt_pending_bit();
         at
     }
+
+    /// Lets no edge raise the interrupt.
+    pub fn mask(&mut self, exti: &mut pac::EXTI) {
+        self.0.disable_interrupt(exti);
+    }
+
+    /// Lets the next edge raise the interrupt, none of those meanwhile.
+    pub fn unmask(&mut self, exti: &mut pac::EXTI) {
+        self.0.clear_interrupt_pending_bit();
+        self.0.enable_interrupt(exti);
+    }
 }

@@ -8,7 +8,7 @@
 //! | LSM303AGR chip selects | PA4 accelerometer, PC4 magnetometer | outputs |
 //! | LSM303AGR INT_1_XL, INT_MAG | PC1, PC2 | EXTI1, EXTI2, rising |
 //! | MPU6050 SCL, SDA | PB8, PB9 | I2C1, 400 kHz; DMA1 stream 0 |
-//! | MPU6050 INT | PC0 | EXTI0, rising |
+//! | MPU6050 INT | PC0 | EXTI0, rising; TIM2 knows when it is due |
 //! | motors 1 to 4, 5 to 8 | PC6 to PC9, PD12 to PD15 | TIM3, TIM4 |
 //! | link TX, RX | PD5, PD6 | USART2; DMA1 streams 6, 5 |
 //! | battery's voltage, current | PC3, PC5 | ADC1; DMA2 stream 0 |
@@ -18,6 +18,7 @@ mod battery;
 mod chips;
 mod i2c;
 pub mod imu;
+mod imu_line;
 mod link_port;
 pub mod motors;
 mod spi;
@@ -25,16 +26,18 @@ mod spi;
 pub use battery::Gauge;
 pub use chips::Chips;
 pub use i2c::Engine;
+pub use imu_line::ImuLine;
 pub use motors::Motors;
 
 use cortex_m::singleton;
 use embedded_hal_bus::util::AtomicCell;
 use reflex::airframe::Mixer;
+use reflex::config::LINK_WIRED;
 use reflex::reset::Reset;
 use reflex::sensors::Input;
 use reflex::tasks::link;
 use stm32f4xx_hal::dma::StreamsTuple;
-use stm32f4xx_hal::gpio::{self, AnyPin, Output, PC0, PinState, Pull, gpioa, gpioc, gpiod};
+use stm32f4xx_hal::gpio::{self, AnyPin, Output, PinState, Pull, gpioa, gpioc, gpiod};
 use stm32f4xx_hal::syscfg::SysCfg;
 use stm32f4xx_hal::{pac, prelude::*};
 
@@ -48,9 +51,6 @@ const CRYSTAL_HZ: u32 = 8_000_000;
 
 /// The link over its port.
 pub type Link = link::Link<link_port::LinkPort>;
-
-/// Data-ready of the MPU6050.
-pub type ImuLine = Line<PC0>;
 
 /// The interrupt of a sensor with a clock of its own, and the input that it announces.
 pub type ChipLine = (Input, Line<AnyPin<gpio::Input>>);
@@ -114,7 +114,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     let motors = Motors::start(device.TIM3, device.TIM4, protocol, count, rcc);
 
     let mut lines = (device.SYSCFG.constrain(rcc), device.EXTI);
-    let imu_line = Line::on_rise(c.pc0.into_pull_down_input(), &mut lines);
+    let line = Line::on_rise(c.pc0.into_pull_down_input(), &mut lines);
     let chip_lines = chip_lines((c.pc1, c.pc2), &mut lines);
 
     d.pd5.into_alternate::<7>();
@@ -139,9 +139,10 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     imu::start(&mut bus);
     let buffer = singleton!(: i2c::Buffer = i2c::Buffer::default()).unwrap();
     let mut imu_bus = Engine::new(streams.0, buffer);
-    imu_bus.give_back(bus, None);
+    imu_bus.give_back(bus, &Ok(()));
+    let imu_line = ImuLine::new(line, lines.1, device.TIM2, rcc);
     watchdog.feed();
-    let link = Link::new(port, start.airframe.count());
+    let link = Link::new(port, LINK_WIRED, start.airframe.count());
     Board {
         imu_line,
         imu_bus,

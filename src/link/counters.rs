@@ -20,7 +20,15 @@ pub struct LinkCounters {
     pub unknown_message: u32,
     /// Frames for another system or component, and echoes of our own.
     pub not_for_us: u32,
-    /// Frames refused for a value: not a number, out of range, or not supported.
+    /// Frames without a signature, though there is a key.
+    pub unsigned: u32,
+    /// Frames with another signature than the key's.
+    pub bad_signature: u32,
+    /// Signed frames that were heard before, or may have been.
+    pub old_stamp: u32,
+    /// Commands, setpoints and goals of another than the pilot; positions of another than the tracker.
+    pub not_allowed: u32,
+    /// Frames refused for a value: not a number, out of range, not supported, for every system.
     pub refused_value: u32,
     /// Frames that senders numbered and that never arrived.
     pub lost_sequence: u32,
@@ -39,6 +47,10 @@ impl LinkCounters {
         version_1: 0,
         unknown_message: 0,
         not_for_us: 0,
+        unsigned: 0,
+        bad_signature: 0,
+        old_stamp: 0,
+        not_allowed: 0,
         refused_value: 0,
         lost_sequence: 0,
         garbage_bytes: 0,
@@ -51,6 +63,10 @@ impl LinkCounters {
             .saturating_add(self.bad_length)
             .saturating_add(self.bad_flags)
             .saturating_add(self.truncated)
+            .saturating_add(self.unsigned)
+            .saturating_add(self.bad_signature)
+            .saturating_add(self.old_stamp)
+            .saturating_add(self.not_allowed)
             .saturating_add(self.refused_value)
     }
 }

@@ -5,21 +5,30 @@
 //! | HEARTBEAT | [`Message::Heartbeat`] | never: that it arrived is what counts |
 //! | SET_ATTITUDE_TARGET | [`Message::Setpoint`] | see [`setpoint`] |
 //! | SET_POSITION_TARGET_LOCAL_NED | [`Message::Goal`] | see [`destination`] |
-//! | COMMAND_LONG | [`Message::Arm`] | any other command, or its parameter is not 0 or 1 |
+//! | COMMAND_LONG, COMMAND_INT | [`Message::Arm`] | see [`command`] |
 //! | ODOMETRY | [`Message::Pose`] | see [`pose`] |
+//! | SETUP_SIGNING | a [`SigningKey`] | its stamp has more than 48 bits |
+//!
+//! What names a target is refused for every system (0), and passed over where it is for others.
 //!
 //! The bounds on values are far outside of flight. They are there because finite numbers can
 //! be large enough to overflow in the control logic.
 
 use super::framing::RawFrame;
-use super::{ARM_DISARM, COMPONENT, Destination, ExternalPose, Message, SYSTEM};
-use crate::control::{Setpoint, Yaw};
+use super::signing::SigningKey;
+use super::{
+    ARM_DISARM, Answer, ArmCommand, COMPONENT, Destination, ExternalPose, MOTOR_TEST, Message,
+    SYSTEM,
+};
+use crate::control::{MotorTest, Setpoint, Yaw};
 use crate::math::{Quaternion, Vec3, wrapped};
+use crate::settings::MOST_MOTORS;
+use crate::time::micros;
 use crate::units::{BodyRates, Position, Thrust, Velocity};
 use mavlink::dialects::common::{
-    AttitudeTargetTypemask as Mask, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavFrame, ODOMETRY_DATA,
-    PositionTargetTypemask as PositionMask, SET_ATTITUDE_TARGET_DATA,
-    SET_POSITION_TARGET_LOCAL_NED_DATA,
+    AttitudeTargetTypemask as Mask, COMMAND_INT_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavFrame,
+    ODOMETRY_DATA, PositionTargetTypemask as PositionMask, SET_ATTITUDE_TARGET_DATA,
+    SET_POSITION_TARGET_LOCAL_NED_DATA, SETUP_SIGNING_DATA,
 };
 use mavlink::{MavlinkVersion, MessageData};
 
@@ -38,16 +47,27 @@ const LARGEST_HEADING: f32 = core::f32::consts::TAU;
 /// Place of ODOMETRY's field `quality`, an extension that older senders leave out.
 const ODOMETRY_QUALITY: usize = 232;
 
+/// Second parameter of a command to arm or disarm whatever the checks say.
+const FORCE: f32 = 21_196.0;
+
+/// Longest motor test, s, that is no mistake.
+const LONGEST_TEST: f32 = 60.0;
+
+/// The fields of a command up to its target.
+const COMMAND_LENGTH: usize = 32;
+
 /// What became of a frame whose checksum holds.
 pub(super) enum Decoded {
     Message(Message),
-    /// A command for us that is not ours to do; its number is owed an answer.
-    UnsupportedCommand(u16),
+    /// A command for us that cannot be done; its number is owed this answer.
+    RefusedCommand(u16, Answer),
+    /// A key to sign with.
+    Key(SigningKey),
     /// No payload.
     Empty,
     /// Addressed to another system or component.
     NotForUs,
-    /// A value that is not a number, out of range or not supported.
+    /// A value that is not a number, out of range or not supported; a setpoint for every system.
     Refused,
 }
 
@@ -57,29 +77,51 @@ pub(super) fn decode(frame: &RawFrame<'_>) -> Decoded {
     if payload.is_empty() {
         return Decoded::Empty;
     }
-    match frame.id {
-        HEARTBEAT_DATA::ID => Decoded::Message(Message::Heartbeat),
+    let decoded = match frame.id {
+        HEARTBEAT_DATA::ID => Some(Decoded::Message(Message::Heartbeat)),
         SET_ATTITUDE_TARGET_DATA::ID => attitude_target(payload),
         SET_POSITION_TARGET_LOCAL_NED_DATA::ID => position_target(payload),
-        COMMAND_LONG_DATA::ID => command(payload),
+        COMMAND_INT_DATA::ID | COMMAND_LONG_DATA::ID => Some(command(payload)),
         ODOMETRY_DATA::ID => odometry(payload),
-        _ => Decoded::Refused,
+        SETUP_SIGNING_DATA::ID => signing_key(payload),
+        _ => None,
+    };
+    decoded.unwrap_or(Decoded::Refused)
+}
+
+/// To whom a message is addressed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Target {
+    Us,
+    /// Every system: too many to be flown by one message. A component 0 of ours is us, many
+    /// clients do not ask for more.
+    Everyone,
+    Others,
+}
+
+impl Target {
+    fn of(system: u8, component: u8) -> Self {
+        match (system, component) {
+            (SYSTEM, 0 | COMPONENT) => Self::Us,
+            (0, 0 | COMPONENT) => Self::Everyone,
+            _ => Self::Others,
+        }
+    }
+
+    /// What the message becomes, if it is for us and sound.
+    fn then(self, decoded: impl FnOnce() -> Option<Decoded>) -> Decoded {
+        match self {
+            Self::Us => decoded().unwrap_or(Decoded::Refused),
+            Self::Everyone => Decoded::Refused,
+            Self::Others => Decoded::NotForUs,
+        }
     }
 }
 
-/// True where a message is addressed to us or to all.
-fn for_us(system: u8, component: u8) -> bool {
-    matches!(system, 0 | SYSTEM) && matches!(component, 0 | COMPONENT)
-}
-
-fn attitude_target(payload: &[u8]) -> Decoded {
-    match SET_ATTITUDE_TARGET_DATA::deser(MavlinkVersion::V2, payload) {
-        Ok(target) if !for_us(target.target_system, target.target_component) => Decoded::NotForUs,
-        Ok(target) => setpoint(&target).map_or(Decoded::Refused, |it| {
-            Decoded::Message(Message::Setpoint(it))
-        }),
-        Err(_) => Decoded::Refused,
-    }
+fn attitude_target(payload: &[u8]) -> Option<Decoded> {
+    let target = SET_ATTITUDE_TARGET_DATA::deser(MavlinkVersion::V2, payload).ok()?;
+    let to = Target::of(target.target_system, target.target_component);
+    Some(to.then(|| Some(Decoded::Message(Message::Setpoint(setpoint(&target)?)))))
 }
 
 /// The demand in a SET_ATTITUDE_TARGET; `None` where it is refused.
@@ -129,14 +171,10 @@ fn setpoint(target: &SET_ATTITUDE_TARGET_DATA) -> Option<Setpoint> {
     })
 }
 
-fn position_target(payload: &[u8]) -> Decoded {
-    match SET_POSITION_TARGET_LOCAL_NED_DATA::deser(MavlinkVersion::V2, payload) {
-        Ok(target) if !for_us(target.target_system, target.target_component) => Decoded::NotForUs,
-        Ok(target) => {
-            destination(&target).map_or(Decoded::Refused, |it| Decoded::Message(Message::Goal(it)))
-        }
-        Err(_) => Decoded::Refused,
-    }
+fn position_target(payload: &[u8]) -> Option<Decoded> {
+    let target = SET_POSITION_TARGET_LOCAL_NED_DATA::deser(MavlinkVersion::V2, payload).ok()?;
+    let to = Target::of(target.target_system, target.target_component);
+    Some(to.then(|| Some(Decoded::Message(Message::Goal(destination(&target)?)))))
 }
 
 /// The place in a SET_POSITION_TARGET_LOCAL_NED; `None` where it is refused.
@@ -184,12 +222,12 @@ fn destination(target: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Option<Destinatio
     })
 }
 
-/// Reads COMMAND_LONG field by field.
+/// Reads a COMMAND_LONG or a COMMAND_INT field by field: what is used of them has the same place.
 ///
 /// The crate's own reading refuses commands that its enumeration lacks, but those are owed an
-/// answer as well. Arming is never forced (`param2` 21196): the checks hold for everyone.
+/// answer as well. Arming takes 0 or 1, and [`FORCE`] or anything else behind it.
 fn command(payload: &[u8]) -> Decoded {
-    let mut fields = [0; COMMAND_LONG_DATA::ENCODED_LEN];
+    let mut fields = [0; COMMAND_LENGTH];
     // Trailing zeros are not sent.
     for (field, sent) in fields.iter_mut().zip(payload) {
         *field = *sent;
@@ -199,34 +237,70 @@ fn command(payload: &[u8]) -> Decoded {
         p1,
         p2,
         p3,
+        q0,
+        q1,
+        q2,
+        q3,
         ..,
         low,
         high,
         system,
         component,
-        _confirmation,
     ] = fields;
     let number = u16::from_le_bytes([low, high]);
-    let parameter = f32::from_le_bytes([p0, p1, p2, p3]);
-    if !for_us(system, component) {
-        return Decoded::NotForUs;
-    }
-    match (number, parameter) {
-        (ARM_DISARM, 0.0) => Decoded::Message(Message::Arm(false)),
-        (ARM_DISARM, 1.0) => Decoded::Message(Message::Arm(true)),
-        _ => Decoded::UnsupportedCommand(number),
+    let arm = f32::from_le_bytes([p0, p1, p2, p3]);
+    let to = Target::of(system, component);
+    let force = f32::from_le_bytes([q0, q1, q2, q3]) == FORCE;
+    match (number, arm) {
+        _ if to == Target::Others => Decoded::NotForUs,
+        _ if to == Target::Everyone => Decoded::RefusedCommand(number, Answer::Denied),
+        (ARM_DISARM, 0.0 | 1.0) => Decoded::Message(Message::Arm(ArmCommand {
+            arm: arm == 1.0,
+            force,
+        })),
+        (ARM_DISARM, _) => Decoded::RefusedCommand(number, Answer::Denied),
+        (MOTOR_TEST, motor) => motor_test(motor, &fields)
+            .map_or(Decoded::RefusedCommand(number, Answer::Denied), |test| {
+                Decoded::Message(Message::TestMotor(test))
+            }),
+        _ => Decoded::RefusedCommand(number, Answer::Unsupported),
     }
 }
 
-fn odometry(payload: &[u8]) -> Decoded {
+/// The test in a MAV_CMD_DO_MOTOR_TEST; `None` where it is refused.
+///
+/// `param1` is the motor's number in the airframe, from 1; `param2` 0, for a throttle in percent;
+/// `param3` the throttle; `param4` for how long, in s. One motor at a time: `param5` is 0 or 1.
+fn motor_test(number: f32, fields: &[u8; COMMAND_LENGTH]) -> Option<MotorTest> {
+    let parameter = |place: usize| {
+        let bytes = fields.get(4 * place..4 * place + 4)?;
+        Some(f32::from_le_bytes(bytes.try_into().ok()?))
+    };
+    let (kind, percent, length_s) = (parameter(1)?, parameter(2)?, parameter(3)?);
+    let one_motor = (1.0..=MOST_MOTORS as f32).contains(&number) && parameter(4)? <= 1.0;
+    let sound = (0.0..=100.0).contains(&percent) && (0.0..=LONGEST_TEST).contains(&length_s);
+    (one_motor && kind == 0.0 && sound).then(|| MotorTest {
+        motor: number as u8 - 1,
+        share: percent * 0.01,
+        length: micros((length_s * 1e6) as u64),
+    })
+}
+
+/// The key in a SETUP_SIGNING; whether it may be set is not to be told from the frame.
+fn signing_key(payload: &[u8]) -> Option<Decoded> {
+    let setup = SETUP_SIGNING_DATA::deser(MavlinkVersion::V2, payload).ok()?;
+    let to = Target::of(setup.target_system, setup.target_component);
+    let key = || SigningKey::new(setup.secret_key, setup.initial_timestamp);
+    Some(to.then(|| key().map(Decoded::Key)))
+}
+
+fn odometry(payload: &[u8]) -> Option<Decoded> {
     let quality = payload.get(ODOMETRY_QUALITY).copied().unwrap_or(0);
-    let failed = i8::from_le_bytes([quality]) < 0;
-    match ODOMETRY_DATA::deser(MavlinkVersion::V2, payload) {
-        Ok(odometry) if !failed => {
-            pose(&odometry).map_or(Decoded::Refused, |it| Decoded::Message(Message::Pose(it)))
-        }
-        _ => Decoded::Refused,
+    if i8::from_le_bytes([quality]) < 0 {
+        return None;
     }
+    let odometry = ODOMETRY_DATA::deser(MavlinkVersion::V2, payload).ok()?;
+    Some(Decoded::Message(Message::Pose(pose(&odometry)?)))
 }
 
 /// The pose in an ODOMETRY; `None` where it is refused.

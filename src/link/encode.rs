@@ -1,14 +1,19 @@
-//! The frames that the drone sends: its heartbeat, and answers to commands.
+//! The frames that the drone sends: heartbeat, answers to commands, and notices.
 
-use super::{Answer, COMPONENT, Peer, SYSTEM};
+use super::{Answer, COMPONENT, Notice, Peer, SYSTEM};
+use mavlink::consts::v2::{IFLAG_SIGNED, SIGNATURE_SIZE};
 use mavlink::dialects::common::{
     COMMAND_ACK_DATA, HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavResult, MavState, MavType,
+    STATUSTEXT_DATA,
 };
 use mavlink::utils::remove_trailing_zeroes;
 use mavlink::{MAV_STX_V2, MavlinkVersion, MessageData, calculate_crc};
 
-/// Length of the longest frame sent, in bytes: a COMMAND_ACK with its target.
-pub const LONGEST_FRAME_OUT: usize = 12 + COMMAND_ACK_LENGTH;
+/// Length of the longest frame sent, in bytes: a STATUSTEXT, signed.
+pub const LONGEST_FRAME_OUT: usize = 12 + STATUSTEXT_LENGTH + SIGNATURE_SIZE;
+
+/// STATUSTEXT without its extensions, which number the pieces of longer texts.
+const STATUSTEXT_LENGTH: usize = 1 + Notice::LONGEST;
 
 /// COMMAND_ACK with its extensions `progress`, `result_param2`, target system and component.
 const COMMAND_ACK_LENGTH: usize = 10;
@@ -17,6 +22,8 @@ const COMMAND_ACK_LENGTH: usize = 10;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Frame {
     bytes: heapless::Vec<u8, LONGEST_FRAME_OUT>,
+    /// The byte that ties the checksum to the message's layout.
+    extra: u8,
 }
 
 impl Frame {
@@ -24,6 +31,27 @@ impl Frame {
     #[must_use]
     pub fn as_bytes(&self) -> &[u8] {
         &self.bytes
+    }
+
+    /// Says in the header that a signature follows; the checksum is made anew.
+    pub(super) fn mark_signed(&mut self) {
+        if let Some(flags) = self.bytes.get_mut(2) {
+            *flags |= IFLAG_SIGNED;
+        }
+        self.bytes.truncate(self.bytes.len().saturating_sub(2));
+        self.seal();
+    }
+
+    /// Adds a piece of the signature.
+    pub(super) fn append(&mut self, piece: &[u8]) {
+        // All of it fits: LONGEST_FRAME_OUT is the longest that is ever built.
+        let _ = self.bytes.extend_from_slice(piece);
+    }
+
+    /// Ends header and payload with their checksum.
+    fn seal(&mut self) {
+        let checksum = calculate_crc(self.bytes.get(1..).unwrap_or_default(), self.extra);
+        self.append(&checksum.to_le_bytes());
     }
 }
 
@@ -96,6 +124,7 @@ impl Sender {
         let result = match answer {
             Answer::Accepted => MavResult::MAV_RESULT_ACCEPTED,
             Answer::TemporarilyRejected => MavResult::MAV_RESULT_TEMPORARILY_REJECTED,
+            Answer::Denied => MavResult::MAV_RESULT_DENIED,
             Answer::Unsupported => MavResult::MAV_RESULT_UNSUPPORTED,
         };
         let [low, high] = command.to_le_bytes();
@@ -112,6 +141,16 @@ impl Sender {
             to.component,
         ];
         self.frame(COMMAND_ACK_DATA::ID, COMMAND_ACK_DATA::EXTRA_CRC, &payload)
+    }
+
+    /// STATUSTEXT: what happened, for whoever listens.
+    pub fn notice(&mut self, notice: &Notice) -> Frame {
+        let mut payload = [0; STATUSTEXT_LENGTH];
+        let fields = [notice.severity() as u8].into_iter().chain(notice.line());
+        for (field, value) in payload.iter_mut().zip(fields) {
+            *field = value;
+        }
+        self.frame(STATUSTEXT_DATA::ID, STATUSTEXT_DATA::EXTRA_CRC, &payload)
     }
 
     /// Header, payload without its trailing zeros, checksum.
@@ -133,12 +172,11 @@ impl Sender {
             high,
         ];
         self.sequence = self.sequence.wrapping_add(1);
-        let mut bytes = heapless::Vec::new();
-        // All of it fits: LONGEST_FRAME_OUT is the longest that is ever built.
-        let _ = bytes.extend_from_slice(&header);
-        let _ = bytes.extend_from_slice(payload);
-        let checksum = calculate_crc(bytes.get(1..).unwrap_or_default(), extra);
-        let _ = bytes.extend_from_slice(&checksum.to_le_bytes());
-        Frame { bytes }
+        let bytes = heapless::Vec::new();
+        let mut frame = Frame { bytes, extra };
+        frame.append(&header);
+        frame.append(payload);
+        frame.seal();
+        frame
     }
 }

@@ -8,12 +8,13 @@
 //! Setpoints follow one another, and commands are repeated until they are answered.
 
 use super::peers::Peer;
+use super::signing::SIGNATURE;
 use crate::time::Instant;
 use mavlink::calculate_crc;
-use mavlink::consts::v2::{IFLAG_SIGNED, SIGNATURE_SIZE};
+use mavlink::consts::v2::IFLAG_SIGNED;
 use mavlink::dialects::common::{
-    COMMAND_LONG_DATA, HEARTBEAT_DATA, ODOMETRY_DATA, SET_ATTITUDE_TARGET_DATA,
-    SET_POSITION_TARGET_LOCAL_NED_DATA,
+    COMMAND_INT_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, ODOMETRY_DATA, SET_ATTITUDE_TARGET_DATA,
+    SET_POSITION_TARGET_LOCAL_NED_DATA, SETUP_SIGNING_DATA,
 };
 use mavlink::{MAV_STX, MAV_STX_V2, MessageData};
 
@@ -27,7 +28,7 @@ const OVERHEAD_1: usize = 8;
 const OVERHEAD_2: usize = 12;
 
 /// Longest frame: 255 bytes of payload, signed.
-pub(super) const LONGEST_FRAME: usize = OVERHEAD_2 + 255 + SIGNATURE_SIZE;
+pub(super) const LONGEST_FRAME: usize = OVERHEAD_2 + 255 + SIGNATURE;
 
 /// A frame as it was sent.
 #[derive(Clone, Copy)]
@@ -36,6 +37,10 @@ pub(super) struct RawFrame<'a> {
     pub sequence: u8,
     pub id: u32,
     pub payload: &'a [u8],
+    /// From the mark to the checksum: what a signature is of.
+    pub signed: &'a [u8],
+    /// Link, stamp and hash; empty where there is none.
+    pub signature: &'a [u8],
 }
 
 /// What the bytes held so far begin with.
@@ -68,7 +73,7 @@ pub(super) fn examine(held: &[u8]) -> Candidate<'_> {
         }
         [MAV_STX_V2, _, flags, ..] if flags & !IFLAG_SIGNED != 0 => Candidate::BadFlags,
         [MAV_STX_V2, length, flags, ..] => {
-            let signature = if flags == 0 { 0 } else { SIGNATURE_SIZE };
+            let signature = if flags == 0 { 0 } else { SIGNATURE };
             let total = OVERHEAD_2 + usize::from(length) + signature;
             examine_complete(held, length.into(), total).unwrap_or(Candidate::Incomplete(total))
         }
@@ -79,7 +84,8 @@ pub(super) fn examine(held: &[u8]) -> Candidate<'_> {
 
 /// Judges a MAVLink 2 frame of `total` bytes; `None` where it is not complete.
 fn examine_complete(held: &[u8], length: usize, total: usize) -> Option<Candidate<'_>> {
-    let (header, rest) = held.get(..total)?.split_first_chunk::<10>()?;
+    let (signed, signature) = held.get(..total)?.split_at_checked(OVERHEAD_2 + length)?;
+    let (header, rest) = signed.split_first_chunk::<10>()?;
     let (payload, rest) = rest.split_at_checked(length)?;
     let sent = u16::from_le_bytes(*rest.first_chunk()?);
     let [_, _, _, _, sequence, system, component, id @ ..] = *header;
@@ -89,11 +95,13 @@ fn examine_complete(held: &[u8], length: usize, total: usize) -> Option<Candidat
         sequence,
         id: u32::from_le_bytes([low, middle, high, 0]),
         payload,
+        signed,
+        signature,
     };
     let Some(extra) = checksum_extra(frame.id) else {
         return Some(Candidate::Unknown(frame, total));
     };
-    let sums = held.get(1..header.len() + length)?;
+    let sums = signed.get(1..header.len() + length)?;
     Some(if calculate_crc(sums, extra) == sent {
         Candidate::Sound(frame, total)
     } else {
@@ -109,7 +117,9 @@ fn checksum_extra(id: u32) -> Option<u8> {
         SET_POSITION_TARGET_LOCAL_NED_DATA::ID => {
             Some(SET_POSITION_TARGET_LOCAL_NED_DATA::EXTRA_CRC)
         }
+        COMMAND_INT_DATA::ID => Some(COMMAND_INT_DATA::EXTRA_CRC),
         COMMAND_LONG_DATA::ID => Some(COMMAND_LONG_DATA::EXTRA_CRC),
+        SETUP_SIGNING_DATA::ID => Some(SETUP_SIGNING_DATA::EXTRA_CRC),
         ODOMETRY_DATA::ID => Some(ODOMETRY_DATA::EXTRA_CRC),
         _ => None,
     }

@@ -1,6 +1,7 @@
 //! The messages that the link brings to the autopilot, decoded and checked.
 
-use crate::control::{Goal, Setpoint};
+use super::{ARM_DISARM, MOTOR_TEST};
+use crate::control::{Goal, MotorTest, Setpoint};
 use crate::math::Quaternion;
 use crate::units::{Position, Velocity};
 
@@ -38,6 +39,35 @@ impl Destination {
     }
 }
 
+/// What a command to arm or to disarm says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ArmCommand {
+    /// Arm; else disarm.
+    pub arm: bool,
+    /// Disarm in the air, too (`param2` is 21196); an arm command is never forced.
+    pub force: bool,
+}
+
+impl ArmCommand {
+    /// Arm, if the checks allow it.
+    pub const ARM: Self = Self {
+        arm: true,
+        force: false,
+    };
+
+    /// Disarm, on the ground.
+    pub const DISARM: Self = Self {
+        arm: false,
+        force: false,
+    };
+
+    /// Disarm, wherever the drone is.
+    pub const FORCED_DISARM: Self = Self {
+        arm: false,
+        force: true,
+    };
+}
+
 /// What a peer may send to the autopilot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Message {
@@ -45,8 +75,10 @@ pub enum Message {
     Heartbeat,
     /// What to fly (SET_ATTITUDE_TARGET).
     Setpoint(Setpoint),
-    /// Arm, or disarm (COMMAND_LONG, MAV_CMD_COMPONENT_ARM_DISARM).
-    Arm(bool),
+    /// Arm, or disarm (COMMAND_LONG or COMMAND_INT, MAV_CMD_COMPONENT_ARM_DISARM).
+    Arm(ArmCommand),
+    /// Turn one motor of a disarmed drone (MAV_CMD_DO_MOTOR_TEST).
+    TestMotor(MotorTest),
     /// Where the drone is (ODOMETRY).
     Pose(ExternalPose),
     /// Where to fly (SET_POSITION_TARGET_LOCAL_NED).
@@ -54,11 +86,22 @@ pub enum Message {
 }
 
 impl Message {
+    /// The number of the command (MAV_CMD) that it came as, and is answered as.
+    #[must_use]
+    pub fn command(&self) -> Option<u16> {
+        match self {
+            Self::Arm(_) => Some(ARM_DISARM),
+            Self::TestMotor(_) => Some(MOTOR_TEST),
+            Self::Heartbeat | Self::Setpoint(_) | Self::Pose(_) | Self::Goal(_) => None,
+        }
+    }
+
     /// False where some value is no number; quaternions and thrusts always are.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         match self {
             Self::Heartbeat | Self::Arm(_) => true,
+            Self::TestMotor(test) => test.share.is_finite(),
             Self::Setpoint(setpoint) => setpoint.rates.is_finite(),
             Self::Pose(pose) => pose.position.is_finite() && pose.velocity.is_finite(),
             Self::Goal(goal) => {
@@ -70,7 +113,7 @@ impl Message {
     }
 }
 
-/// The answer to an arm or disarm command (MAV_RESULT in COMMAND_ACK).
+/// The answer to a command (MAV_RESULT in COMMAND_ACK).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum Answer {
@@ -78,6 +121,8 @@ pub enum Answer {
     Accepted,
     /// Not now: the reason is in the log. The peer may ask again.
     TemporarilyRejected,
+    /// Not so: a parameter means nothing here.
+    Denied,
     /// Never: the command is not one of ours.
     Unsupported,
 }

@@ -1,32 +1,11 @@
 //! From bytes to messages: one buffer, one pass, everything refused is counted.
 
+use super::admission::Admission;
 use super::counters::{LinkCounters, count, count_many};
-use super::decode::{Decoded, decode};
-use super::framing::{Candidate, Held, RawFrame, examine};
-use super::peers::{Peer, Sequences};
-use super::{Answer, COMPONENT, Message, PATIENCE, SYSTEM};
+use super::framing::{Candidate, Held, examine};
+use super::signing::Signing;
+use super::{Incoming, PATIENCE};
 use crate::time::{Instant, span};
-
-/// What a frame brought.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Incoming {
-    /// A message for the autopilot.
-    Message {
-        /// Who sent it, and awaits the answer where the autopilot gives one.
-        from: Peer,
-        /// What it says.
-        message: Message,
-    },
-    /// A command that cannot be done: to be answered, and of no concern to the autopilot.
-    Refused {
-        /// Who awaits the answer.
-        from: Peer,
-        /// The command's number (MAV_CMD).
-        command: u16,
-        /// What to answer.
-        answer: Answer,
-    },
-}
 
 /// Reads MAVLink 2 frames from a stream of bytes.
 ///
@@ -36,7 +15,7 @@ pub enum Incoming {
 /// 168 MHz, once.
 pub struct Parser {
     held: Held,
-    sequences: Sequences,
+    admission: Admission,
     counters: LinkCounters,
 }
 
@@ -52,7 +31,7 @@ impl Parser {
     pub const fn new() -> Self {
         Self {
             held: Held::new(),
-            sequences: Sequences::new(),
+            admission: Admission::new(),
             counters: LinkCounters::NONE,
         }
     }
@@ -79,6 +58,11 @@ impl Parser {
         }
     }
 
+    /// What frames are signed with.
+    pub fn signing(&mut self) -> &mut Signing {
+        &mut self.admission.signing
+    }
+
     /// What has been read and refused since the start.
     #[must_use]
     pub fn counters(&self) -> LinkCounters {
@@ -86,16 +70,16 @@ impl Parser {
     }
 
     /// Takes the next frame, or the next piece of garbage, off the bytes held.
-    fn step(&mut self) -> Step {
+    fn step(&mut self, at: Instant) -> Step {
         let counters = &mut self.counters;
         let (length, found) = match examine(self.held.as_slice()) {
             Candidate::Incomplete(wanted) => return Step::Hungry(wanted),
             Candidate::Sound(frame, length) => {
-                (length, accept(&frame, &mut self.sequences, counters))
+                (length, self.admission.accept(at, &frame, counters))
             }
             Candidate::Unknown(frame, length) => {
                 count(&mut counters.unknown_message);
-                let lost = self.sequences.pass(frame.from, frame.sequence);
+                let lost = self.admission.sequences.pass(frame.from, frame.sequence);
                 count_many(&mut counters.lost_sequence, lost.unwrap_or(0).into());
                 (length, None)
             }
@@ -132,54 +116,18 @@ enum Step {
     Found(Incoming),
 }
 
-/// Takes note of a frame whose checksum holds, and decodes it.
-fn accept(
-    frame: &RawFrame<'_>,
-    sequences: &mut Sequences,
-    counters: &mut LinkCounters,
-) -> Option<Incoming> {
-    let from = frame.from;
-    count(&mut counters.frames);
-    let ours = Peer {
-        system: SYSTEM,
-        component: COMPONENT,
-    };
-    if from == ours {
-        count(&mut counters.not_for_us);
-        return None;
-    }
-    let lost = sequences.follow(from, frame.sequence);
-    count_many(&mut counters.lost_sequence, lost.into());
-    match decode(frame) {
-        Decoded::Message(message) => Some(Incoming::Message { from, message }),
-        Decoded::UnsupportedCommand(command) => {
-            count(&mut counters.refused_value);
-            Some(Incoming::Refused {
-                from,
-                command,
-                answer: Answer::Unsupported,
-            })
-        }
-        Decoded::Empty => {
-            count(&mut counters.bad_length);
-            None
-        }
-        Decoded::NotForUs => {
-            count(&mut counters.not_for_us);
-            None
-        }
-        Decoded::Refused => {
-            count(&mut counters.refused_value);
-            None
-        }
-    }
-}
-
 /// Reads the bytes given to [`Parser::feed`]; an iterator over what they bring.
 pub struct Feed<'a> {
     parser: &'a mut Parser,
     at: Instant,
     bytes: &'a [u8],
+}
+
+impl Feed<'_> {
+    /// What frames are signed with; answers are signed while more is read.
+    pub fn signing(&mut self) -> &mut Signing {
+        self.parser.signing()
+    }
 }
 
 impl Iterator for Feed<'_> {
@@ -188,7 +136,7 @@ impl Iterator for Feed<'_> {
     fn next(&mut self) -> Option<Incoming> {
         // Ends: a hungry step takes at least one byte of these, any other one off those held.
         loop {
-            match self.parser.step() {
+            match self.parser.step(self.at) {
                 Step::Found(incoming) => return Some(incoming),
                 Step::Nothing => {}
                 Step::Hungry(_) if self.bytes.is_empty() => return None,

@@ -4,8 +4,9 @@ use super::*;
 use crate::time::{Instant, at_micros};
 use mavlink::MessageData;
 use mavlink::dialects::common::{
-    AttitudeTargetTypemask, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavCmd, MavFrame, ODOMETRY_DATA,
-    PositionTargetTypemask, SET_ATTITUDE_TARGET_DATA, SET_POSITION_TARGET_LOCAL_NED_DATA,
+    AttitudeTargetTypemask, COMMAND_INT_DATA, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavCmd, MavFrame,
+    ODOMETRY_DATA, PositionTargetTypemask, SET_ATTITUDE_TARGET_DATA,
+    SET_POSITION_TARGET_LOCAL_NED_DATA, SETUP_SIGNING_DATA,
 };
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, calculate_crc};
 
@@ -15,7 +16,9 @@ use std::vec::Vec;
 mod goals;
 mod noise;
 mod reading;
+mod roles;
 mod sending;
+mod signing;
 mod values;
 
 const GROUND: Peer = Peer {
@@ -143,13 +146,38 @@ fn position_target() -> SET_POSITION_TARGET_LOCAL_NED_DATA {
     }
 }
 
+fn int_command() -> COMMAND_INT_DATA {
+    COMMAND_INT_DATA {
+        param1: 1.0,
+        x: -1,
+        command: MavCmd::MAV_CMD_COMPONENT_ARM_DISARM,
+        target_system: SYSTEM,
+        target_component: COMPONENT,
+        ..COMMAND_INT_DATA::DEFAULT
+    }
+}
+
+fn signing_setup() -> SETUP_SIGNING_DATA {
+    SETUP_SIGNING_DATA {
+        initial_timestamp: 7,
+        target_system: SYSTEM,
+        target_component: COMPONENT,
+        secret_key: [9; 32],
+    }
+}
+
+/// How many messages are used.
+const FRAMES: usize = 7;
+
 /// One frame of every message used.
-fn all_frames() -> [Vec<u8>; 5] {
+fn all_frames() -> [Vec<u8>; FRAMES] {
     [
         frame(0, &HEARTBEAT_DATA::DEFAULT),
         frame(1, &attitude_target()),
         frame(2, &arm_command(1.0)),
         frame(3, &odometry()),
         frame(4, &position_target()),
+        frame(5, &int_command()),
+        frame(6, &signing_setup()),
     ]
 }

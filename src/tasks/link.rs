@@ -3,8 +3,8 @@
 use super::{Board, Lock, follow};
 use crate::app::{Autopilot, Fault, Recorder};
 use crate::graph::ControlLogic;
-use crate::link::{ARM_DISARM, Answer, Incoming, LinkCounters, Message, Parser, Sender, Status};
-use crate::safety::Arming;
+use crate::link::{Frame, Incoming, LinkCounters, Notice, Parser, Sender, Severity, Status};
+use crate::safety::FlightState;
 use crate::time::{Duration, Instant, micros};
 
 /// Between two heartbeats.
@@ -36,6 +36,8 @@ pub trait Port {
 /// Port, parser and sender of one peer.
 pub struct Link<P> {
     port: P,
+    /// A cable to something that the user holds: a signing key may come over it.
+    wired: bool,
     parser: Parser,
     sender: Sender,
     /// What was returned for the log last.
@@ -43,10 +45,11 @@ pub struct Link<P> {
 }
 
 impl<P: Port> Link<P> {
-    /// A link over a started port, to a drone of so many motors.
-    pub fn new(port: P, motors: usize) -> Self {
+    /// A link over a started port, a cable or not, to a drone of so many motors.
+    pub fn new(port: P, wired: bool, motors: usize) -> Self {
         Self {
             port,
+            wired,
             parser: Parser::new(),
             sender: Sender::new(motors),
             logged: LinkCounters::default(),
@@ -58,31 +61,47 @@ impl<P: Port> Link<P> {
         &mut self.port
     }
 
-    /// Takes what came until `at`, hands each message to `deliver` and queues its answers.
+    /// Takes what came; messages go to the autopilot, answers back to the peer.
     ///
     /// A fault where bytes were lost or a frame was spoilt.
-    fn receive(
+    fn receive<R: Recorder, L: ControlLogic>(
         &mut self,
-        at: Instant,
-        mut deliver: impl FnMut(&Message) -> Option<Answer>,
+        board: &mut impl Board,
+        pilot: &mut impl Lock<Target = Autopilot<R, L>>,
     ) -> Option<Fault> {
-        let spoilt = self.parser.counters().spoilt();
+        let (at, spoilt) = (board.now(), self.parser.counters().spoilt());
         let mut chunk = [0; CHUNK];
         loop {
             let Ok(count) = self.port.take(&mut chunk) else {
                 return Some(Fault::LinkOverrun);
             };
-            for incoming in self.parser.feed(at, chunk.get(..count).unwrap_or_default()) {
-                let (from, command, answer) = match incoming {
-                    Incoming::Message { from, message } => (from, ARM_DISARM, deliver(&message)),
+            let mut feed = self.parser.feed(at, chunk.get(..count).unwrap_or_default());
+            while let Some(incoming) = feed.next() {
+                let frame = match incoming {
+                    Incoming::Message { from, message } => {
+                        let (next, answer) =
+                            pilot.lock(|pilot| pilot.on_message(board.now(), &message));
+                        follow(board, next);
+                        let answered = message.command().zip(answer);
+                        answered
+                            .map(|(command, answer)| self.sender.command_ack(from, command, answer))
+                    }
                     Incoming::Refused {
                         from,
                         command,
                         answer,
-                    } => (from, command, Some(answer)),
+                    } => Some(self.sender.command_ack(from, command, answer)),
+                    Incoming::Key(key) => {
+                        let armed = pilot.lock(|pilot| pilot.telemetry().state.is_armed());
+                        let notice = refusal_of_key(self.wired, armed).unwrap_or_else(|| {
+                            feed.signing().set(at, key);
+                            KEY_SET
+                        });
+                        Some(self.sender.notice(&notice))
+                    }
                 };
-                if let Some(answer) = answer {
-                    let frame = self.sender.command_ack(from, command, answer);
+                if let Some(mut frame) = frame {
+                    feed.signing().sign(at, &mut frame);
                     // No room means a serial line far too slow: the peer asks again.
                     let _ = self.port.send(frame.as_bytes());
                 }
@@ -94,17 +113,33 @@ impl<P: Port> Link<P> {
         }
     }
 
+    /// Tells all who listen what happened.
+    ///
+    /// # Errors
+    /// The serial line is still busy with earlier frames: to be told again later.
+    pub fn tell(&mut self, at: Instant, notice: &Notice) -> Result<(), Overrun> {
+        let frame = self.sender.notice(notice);
+        self.send(at, frame)
+    }
+
+    fn send(&mut self, at: Instant, mut frame: Frame) -> Result<(), Overrun> {
+        self.parser.signing().sign(at, &mut frame);
+        self.port.send(frame.as_bytes())
+    }
+
     /// Sends a HEARTBEAT; left out where the serial line is still busy with earlier ones.
     ///
     /// Returns what the link counted, where frames were spoilt since it last did: for the log.
-    pub fn beat(&mut self, arming: Arming) -> Option<LinkCounters> {
-        let status = match arming {
-            Arming::Calibrating => Status::Calibrating,
-            Arming::Disarmed => Status::Standby,
-            Arming::Armed => Status::Active,
+    pub fn beat(&mut self, at: Instant, state: FlightState) -> Option<LinkCounters> {
+        let status = match state {
+            FlightState::Calibrating => Status::Calibrating,
+            FlightState::Disarmed | FlightState::Testing => Status::Standby,
+            FlightState::Armed | FlightState::Flying => Status::Active,
+            FlightState::Waiting | FlightState::Descending => Status::Critical,
+            FlightState::Blind => Status::Emergency,
         };
-        let frame = self.sender.heartbeat(arming == Arming::Armed, status);
-        let _ = self.port.send(frame.as_bytes());
+        let frame = self.sender.heartbeat(state.is_armed(), status);
+        let _ = self.send(at, frame);
         let counters = self.parser.counters();
         let news = counters.spoilt() != self.logged.spoilt();
         news.then(|| {
@@ -114,21 +149,68 @@ impl<P: Port> Link<P> {
     }
 }
 
+/// What is told where a signing key was taken.
+const KEY_SET: Notice = Notice::new(Severity::Notice, "signing key", "set");
+
+/// Why no signing key is taken: over the air it would be heard, in flight it might be wrong.
+fn refusal_of_key(wired: bool, armed: bool) -> Option<Notice> {
+    const NOT_WIRED: Notice = Notice::new(Severity::Warning, "signing key refused", "not wired");
+    const ARMED: Notice = Notice::new(Severity::Warning, "signing key refused", "armed");
+    if !wired {
+        return Some(NOT_WIRED);
+    }
+    armed.then_some(ARMED)
+}
+
+/// Tells the pilot what waits to be told, as long as the serial line takes it.
+fn tell_pilot<P: Port, R: Recorder, L: ControlLogic>(
+    at: Instant,
+    link: &mut impl Lock<Target = Link<P>>,
+    pilot: &mut impl Lock<Target = Autopilot<R, L>>,
+) {
+    while let Some(notice) = pilot.lock(|pilot| pilot.notice()) {
+        if link.lock(|link| link.tell(at, &notice)).is_err() {
+            return;
+        }
+        pilot.lock(Autopilot::on_told);
+    }
+}
+
+/// Once a second: that the drone is there, its state, and what the pilot was not told yet.
+///
+/// Returns what the link counted, where frames were spoilt since it last did: for the log.
+pub fn beat<P: Port, R: Recorder, L: ControlLogic>(
+    board: &mut impl Board,
+    link: &mut impl Lock<Target = Link<P>>,
+    pilot: &mut impl Lock<Target = Autopilot<R, L>>,
+) -> Option<LinkCounters> {
+    let at = board.now();
+    let state = pilot.lock(|pilot| pilot.telemetry().state);
+    let counters = link.lock(|link| link.beat(at, state));
+    tell_pilot(at, link, pilot);
+    counters
+}
+
 /// Takes what the link brought; messages go to the autopilot, answers back to the peer.
 pub fn receive<P: Port, R: Recorder, L: ControlLogic>(
     board: &mut impl Board,
     link: &mut impl Lock<Target = Link<P>>,
     pilot: &mut impl Lock<Target = Autopilot<R, L>>,
 ) {
-    let fault = link.lock(|link| {
-        let at = board.now();
-        link.receive(at, |message| {
-            let (next, answer) = pilot.lock(|pilot| pilot.on_message(board.now(), message));
-            follow(board, next);
-            answer
-        })
-    });
-    if let Some(fault) = fault {
+    if let Some(fault) = link.lock(|link| link.receive(board, pilot)) {
         pilot.lock(|pilot| pilot.on_fault(board.now(), fault));
+    }
+    tell_pilot(board.now(), link, pilot);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_signing_key_is_taken_over_a_cable_and_never_while_armed() {
+        let taken = |wired, armed| refusal_of_key(wired, armed).is_none();
+        assert!(taken(true, false));
+        assert!(!taken(true, true) && !taken(false, false) && !taken(false, true));
     }
 }

@@ -3,13 +3,15 @@
 use embedded_hal::i2c::I2c;
 use reflex_drivers::Error;
 use reflex_drivers::mpu6050::{
-    ADDRESS, BURST_LENGTH, CHECKS, Check, Difference, ImuBurst, ImuConfig, LONGEST_CHECK, Mpu6050,
+    ADDRESS, BURST_LENGTH, CHECKS, Check, Difference, ImuBurst, ImuConfig, InterruptStatus,
+    LONGEST_CHECK, Mpu6050, RESET_STEPS, RESET_WAIT_US,
 };
 
 use super::imu::{Configure, Imu};
 use crate::config::IMU_RATE;
 use crate::math::Vec3;
 use crate::sensors::ImuReading;
+use crate::time::{Duration, micros};
 use crate::units::{BodyRates, SpecificForce};
 
 /// What the chip is to hold.
@@ -30,6 +32,11 @@ impl Imu for Sensor {
     type Difference = Difference;
 
     const CHECKS: &'static [Check] = &CHECKS;
+
+    fn is_new(burst: &Self::Burst) -> bool {
+        let [status, ..] = burst;
+        InterruptStatus(*status).data_ready()
+    }
 
     fn reading(burst: &Self::Burst) -> Option<ImuReading> {
         let burst = ImuBurst::from_bytes(burst);
@@ -52,6 +59,12 @@ impl Imu for Sensor {
 
 impl<B: I2c> Configure<B> for Sensor {
     type Error = Error<B::Error>;
+
+    const RESET: (u8, Duration) = (RESET_STEPS, micros(RESET_WAIT_US));
+
+    fn reset(bus: &mut B, step: u8) -> Result<(), Self::Error> {
+        Mpu6050::new(bus, ADDRESS).reset(step)
+    }
 
     fn configure(bus: &mut B) -> Result<(), Self::Error> {
         let mut chip = Mpu6050::new(bus, ADDRESS);

@@ -2,17 +2,19 @@
 
 use super::chips::{Chips, Done, Fetches, Work, serve};
 use super::control::{LONGEST_SLEEP, Motors, failsafe, hyperperiod};
-use super::imu::{Guard, Report, received};
+use super::imu::{Guard, Remedy, Report, received};
 use super::link::{Link, Overrun, Port, receive};
 use super::mpu6050::Sensor;
 use super::*;
 use crate::app::{Autopilot, ChipOrder, ChipSetting, Fault, OrderError};
 use crate::config::SETTINGS;
 use crate::graph::Cascade;
-use crate::safety::MotorOutput;
+use crate::safety::{FlightState, MotorOutput};
 use crate::sensors::{Cause, Input};
 use crate::settings::Settings;
 use crate::time::{at_micros, micros};
+use mavlink::dialects::common::SETUP_SIGNING_DATA;
+use mavlink::{MAVLinkV2MessageRaw, MavHeader};
 use reflex_drivers::mpu6050::CHECKS;
 use reflex_drivers::orders::{Obeyed, Sample};
 
@@ -198,23 +200,76 @@ fn a_silent_sensor_is_repaired_and_a_check_follows_the_next_burst_in_time() {
 }
 
 #[test]
+fn two_bursts_that_fail_in_a_row_call_for_a_repair() {
+    let mut guard = Guard::<Sensor>::new(at_micros(0));
+    assert!(!guard.fail());
+    guard.hear(at_micros(1_000));
+    assert!(!guard.fail());
+    assert!(guard.fail());
+    assert!(!guard.fail(), "counted anew");
+}
+
+#[test]
+fn a_sensor_that_answers_and_still_samples_nothing_is_reset() {
+    let mut guard = Guard::<Sensor>::new(at_micros(0));
+    assert_eq!(guard.remedy(at_micros(90_000)), Remedy::Configure);
+    guard.repaired(at_micros(100_000), false);
+    assert_eq!(guard.remedy(at_micros(190_000)), Remedy::Configure);
+    guard.repaired(at_micros(200_000), true);
+    assert_eq!(guard.remedy(at_micros(220_000)), Remedy::Configure, "soon");
+    assert_eq!(guard.remedy(at_micros(220_001)), Remedy::Reset);
+    guard.hear(at_micros(221_000));
+    assert_eq!(guard.remedy(at_micros(290_000)), Remedy::Configure);
+}
+
+#[test]
 fn reports_of_the_sensor_become_samples_faults_and_repairs() {
     let (mut board, mut pilot) = (Noted::default(), pilot());
     let mut take = |report: &Report<Sensor>| {
         received(&mut board, &mut Unshared(&mut pilot), report).map(|found| found.register)
     };
     assert_eq!(take(&Report::Burst(at_micros(5), [0; 15])), None);
-    assert_eq!(take(&Report::Fault(at_micros(6), Fault::ImuOverrun)), None);
+    assert_eq!(
+        take(&Report::Fault(at_micros(6), Fault::ImuOverrun, false)),
+        None
+    );
     let [identity, ..] = CHECKS;
     assert_eq!(take(&Report::Check(identity, [0x68, 0, 0, 0])), None);
     assert_eq!(take(&Report::Check(identity, [0x70, 0, 0, 0])), Some(0x75));
-    let faults = [Fault::ImuStale, Fault::ImuOverrun, Fault::ImuConfiguration];
-    assert_eq!(faults.map(|fault| pilot.faults(fault)), [1, 1, 1]);
-    assert_eq!(board.raised, [Task::RepairImu]);
+    let failed = Report::<Sensor>::Fault(at_micros(7), Fault::ImuBus, true);
+    received(&mut board, &mut Unshared(&mut pilot), &failed);
+    let faults = [
+        Fault::ImuStale,
+        Fault::ImuOverrun,
+        Fault::ImuConfiguration,
+        Fault::ImuBus,
+    ];
+    assert_eq!(faults.map(|fault| pilot.faults(fault)), [1; 4]);
+    assert_eq!(board.raised, [Task::RepairImu; 2]);
 }
 
 /// A port with these bytes to be taken, or one that lost some.
 struct Bytes(Result<Vec<u8>, Overrun>);
+
+/// A port with these bytes to be taken, that keeps what is sent.
+struct Talk {
+    heard: Vec<u8>,
+    said: Vec<Vec<u8>>,
+}
+
+impl Port for Talk {
+    fn take(&mut self, into: &mut [u8]) -> Result<usize, Overrun> {
+        let count = self.heard.len().min(into.len());
+        into[..count].copy_from_slice(&self.heard[..count]);
+        self.heard.drain(..count);
+        Ok(count)
+    }
+
+    fn send(&mut self, frame: &[u8]) -> Result<(), Overrun> {
+        self.said.push(frame.to_vec());
+        Ok(())
+    }
+}
 
 impl Port for Bytes {
     fn take(&mut self, into: &mut [u8]) -> Result<usize, Overrun> {
@@ -237,7 +292,7 @@ fn bytes_that_were_lost_are_a_fault() {
         (Ok(vec![0; 200]), None),
     ] {
         let (mut board, mut pilot) = (Noted::default(), pilot());
-        let mut link = Link::new(Bytes(bytes), 4);
+        let mut link = Link::new(Bytes(bytes), true, 4);
         receive(
             &mut board,
             &mut Unshared(&mut link),
@@ -245,6 +300,48 @@ fn bytes_that_were_lost_are_a_fault() {
         );
         let counted = pilot.faults(Fault::LinkOverrun) + pilot.faults(Fault::LinkFrame);
         assert_eq!(counted, u32::from(fault.is_some()));
+    }
+}
+
+#[test]
+fn a_signing_key_is_taken_over_a_cable_only() {
+    let setup = SETUP_SIGNING_DATA {
+        target_system: 1,
+        secret_key: [7; 32],
+        ..SETUP_SIGNING_DATA::DEFAULT
+    };
+    let mut frame = MAVLinkV2MessageRaw::new();
+    frame.serialize_message_data(MavHeader::default(), &setup);
+    for (wired, told) in [
+        (true, "signing key: set"),
+        (false, "signing key refused: not wired"),
+    ] {
+        let (mut board, mut pilot) = (Noted::default(), pilot());
+        let port = Talk {
+            heard: frame.raw_bytes().to_vec(),
+            said: Vec::new(),
+        };
+        let mut link = Link::new(port, wired, 4);
+        receive(
+            &mut board,
+            &mut Unshared(&mut link),
+            &mut Unshared(&mut pilot),
+        );
+        link.beat(at_micros(5), FlightState::Disarmed);
+        let [notice, beat] = &link.port().said[..] else {
+            panic!("a notice and a heartbeat");
+        };
+        assert_eq!(&notice[11..11 + told.len()], told.as_bytes());
+        // Frames of ours are signed, and others must be.
+        assert_eq!([notice[2], beat[2]], [u8::from(wired); 2]);
+        link.port().heard = frame.raw_bytes().to_vec();
+        receive(
+            &mut board,
+            &mut Unshared(&mut link),
+            &mut Unshared(&mut pilot),
+        );
+        assert_eq!(link.port().said.len(), if wired { 2 } else { 3 });
+        assert_eq!(pilot.faults(Fault::LinkFrame), u32::from(wired));
     }
 }
 

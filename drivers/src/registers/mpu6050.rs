@@ -19,6 +19,8 @@ registers! { name:
     INT_ENABLE = 0x38,
     /// What happened; reading it clears it.
     INT_STATUS = 0x3A,
+    /// Resets of the signal paths.
+    SIGNAL_PATH_RESET = 0x68,
     /// Counting of the motion detector.
     MOT_DETECT_CTRL = 0x69,
     /// Sleep and clock source.

@@ -12,6 +12,7 @@
 //! |---|---|
 //! | `part` | the processor: the emulator's part with our models in place |
 //! | `exti`, `syscfg`, `pwm_timer` | the models that the emulator lacks or plays too dearly |
+//! | `i2c`, `open_drain`, `dma` | the inertial sensor's bus, with what can go wrong on it |
 //! | `sensors`, `link` | the chips and the ground station on the buses |
 //! | `reflex_f427` | crystal, buses, lines and motors of the reference board |
 //! | `wiring` | whether the firmware uses the pins and buffers that are wired |
@@ -20,16 +21,18 @@
 //! | `batch` | what crosses between the two threads |
 //!
 //! **Not played**: cycles beyond one per instruction (no wait states, no
-//! stacking time), a bus held low by a chip, clock stretching, DMA arbitration,
-//! noise on lines, the pins' analogue side.
+//! stacking time), DMA arbitration, noise on lines, the pins' analogue side.
 
 mod batch;
+mod dma;
 mod exti;
 mod health;
+mod i2c;
 mod link;
 mod memory;
 mod meter;
 mod metered;
+mod open_drain;
 mod part;
 mod pwm_timer;
 mod reflex_f427;
@@ -61,6 +64,7 @@ use self::link::Link;
 use self::meter::SharedMeter;
 use self::part::{Part, Rig};
 use self::run_loop::RunLoop;
+use super::bus_fault::Script;
 use super::log::LogDecoder;
 use super::{Board, Elf, Fault, FaultKind, Load, Observer, Options, Outcome};
 
@@ -88,7 +92,8 @@ impl EmulatedBoard {
     pub fn boot(elf: &Arc<Elf>, sensors: Sensors, options: &Options) -> Result<Self> {
         let log = LogDecoder::new(elf.bytes())?;
         let image = Image::new(Path::new("the firmware"), elf.bytes().to_vec(), None)?;
-        let part = Part::new(sensors, Link::default())?;
+        let script = Script::from(options.bus_faults.as_slice());
+        let part = Part::new(sensors, Link::default(), script)?;
         let instructions_per_second = options.instructions_per_second;
         let meter = SharedMeter::default();
         let rig = Rig {

@@ -9,6 +9,7 @@
 //! runs of an emulated board with the same inputs report the same bytes at the
 //! same instants.
 
+pub mod bus_fault;
 pub mod elf;
 pub mod emulated;
 pub mod fault;
@@ -20,6 +21,7 @@ pub mod tally;
 
 use std::num::NonZeroU64;
 
+pub use bus_fault::{BusFault, Disturbance};
 pub use elf::{Code, Elf};
 pub use emulated::SensorLine;
 pub use fault::{Fault, FaultKind};
@@ -122,6 +124,8 @@ pub struct Options {
     ///
     /// Fewer make it a slower core whose buses and timers keep their clocks.
     pub instructions_per_second: NonZeroU64,
+    /// What disturbs the sensors' wires.
+    pub bus_faults: Vec<BusFault>,
     /// Time between two looks at the logs, in ns.
     ///
     /// RTT holds 1 KiB and the call log 2 KiB: what a period adds must fit.
@@ -142,6 +146,7 @@ impl Default for Options {
             feed: None,
             flies: true,
             instructions_per_second: NonZeroU64::new(168_000_000).expect("not zero"),
+            bus_faults: Vec::new(),
             poll_ns: 1_000_000,
             boot_limit_ns: 2_000_000_000,
             silence_limit_ns: 500_000_000,

@@ -32,6 +32,14 @@ pub(super) struct Demand {
     pub(super) thrust: f64,
 }
 
+impl Demand {
+    /// On the ground: level, no thrust.
+    pub(super) const NONE: Self = Self {
+        attitude: UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(1.0, 0.0, 0.0, 0.0)),
+        thrust: 0.0,
+    };
+}
+
 /// What it has gathered, in m/s2.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct OuterLoop {

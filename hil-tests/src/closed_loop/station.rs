@@ -6,7 +6,7 @@
 //! | COMMAND_LONG, arm | 0.2, 0.15, 0.1 and 0.05 s before take-off |
 //! | ODOMETRY | at its rate in `config/positions/`, from 0.5 s before take-off; without an attitude |
 //! | SET_POSITION_TARGET_LOCAL_NED | behind each ODOMETRY, from take-off on |
-//! | SET_ATTITUDE_TARGET | in its stead, for control logics that do not fly to places |
+//! | SET_ATTITUDE_TARGET | in its stead, for control logics that do not fly to places; before take-off without thrust |
 
 use mavlink::dialects::common::{
     AttitudeTargetTypemask, MavFrame, MavMessage, PositionTargetTypemask, SET_ATTITUDE_TARGET_DATA,
@@ -81,9 +81,7 @@ impl Station {
                     ..Sighting::default()
                 },
             ));
-            if at_ns >= TAKE_OFF_NS {
-                messages.push(self.demand(at_ns, &seen, target));
-            }
+            messages.extend(self.demand(at_ns, &seen, target));
         }
         messages
             .into_iter()
@@ -91,12 +89,17 @@ impl Station {
             .collect()
     }
 
-    fn demand(&mut self, at_ns: u64, seen: &Seen, target: &Target) -> MavMessage {
+    fn demand(&mut self, at_ns: u64, seen: &Seen, target: &Target) -> Option<MavMessage> {
+        let flies = at_ns >= TAKE_OFF_NS;
         match &mut self.outer {
-            None => goal(at_ns, target),
+            None => flies.then(|| goal(at_ns, target)),
             Some(outer) => {
-                let demand = outer.steer(target, (&seen.0, &seen.1), self.tracker.period_s());
-                attitude(at_ns, &demand)
+                let demand = if flies {
+                    outer.steer(target, (&seen.0, &seen.1), self.tracker.period_s())
+                } else {
+                    Demand::NONE
+                };
+                Some(attitude(at_ns, &demand))
             }
         }
     }
@@ -152,8 +155,9 @@ fn components(attitude: &UnitQuaternion<f64>) -> [f64; 4] {
 mod tests {
     use super::*;
     use crate::closed_loop::mission::{Course, Mission};
-    use reflex::link::{Incoming, Message, Parser};
+    use reflex::link::{ArmCommand, Incoming, Message, Parser};
     use reflex::time::at_micros;
+    use reflex::units::Thrust;
 
     const TRACKING: Tracking = Tracking {
         rate_hz: 20.0,
@@ -188,7 +192,9 @@ mod tests {
     #[test]
     fn the_drone_is_armed_four_times_before_take_off() {
         let sent = sent(true, 3);
-        let armed = sent.iter().filter(|sent| sent.1 == Message::Arm(true));
+        let armed = sent
+            .iter()
+            .filter(|sent| sent.1 == Message::Arm(ArmCommand::ARM));
         assert_eq!(
             armed.map(|sent| sent.0).collect::<Vec<_>>(),
             [1300, 1350, 1400, 1450]
@@ -216,13 +222,19 @@ mod tests {
     fn a_logic_without_position_loops_is_told_attitudes() {
         let sent = sent(false, 2);
         assert!(!sent.iter().any(|sent| matches!(sent.1, Message::Goal(_))));
-        let setpoint = sent.iter().find_map(|sent| match sent.1 {
-            Message::Setpoint(setpoint) => Some(setpoint),
+        let setpoints = sent.iter().filter_map(|sent| match sent.1 {
+            Message::Setpoint(setpoint) => Some((sent.0, setpoint)),
             _ => None,
         });
-        let attitude = setpoint
-            .and_then(|setpoint| setpoint.attitude)
-            .expect("one");
+        let (before, flown): (Vec<_>, Vec<_>) = setpoints.partition(|(at_ms, _)| *at_ms < 1500);
+        assert!(!before.is_empty());
+        assert!(
+            before
+                .iter()
+                .all(|(_, setpoint)| setpoint.thrust == Thrust::ZERO)
+        );
+        let attitude = flown.first().and_then(|(_, setpoint)| setpoint.attitude);
+        let attitude = attitude.expect("one");
         assert!(attitude.down_in_body().x.abs() > 0.05, "leans to the south");
     }
 }

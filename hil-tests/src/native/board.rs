@@ -10,6 +10,7 @@
 use std::sync::Arc;
 
 use reflex::app::{Autopilot, Call, Recorder, Stamped};
+use reflex::config::LINK_WIRED;
 use reflex::reactive::Refit;
 use reflex::sensors::Input;
 use reflex::tasks::chips::{Done, Fetches};
@@ -117,7 +118,7 @@ impl NativeBoard {
             fetches: Fetches::default(),
             done: None,
             raised_again: false,
-            link: Link::new(SerialLine::new(frames), start.airframe.count()),
+            link: Link::new(SerialLine::new(frames), LINK_WIRED, start.airframe.count()),
             refit: None,
         };
         board.start_up();

@@ -55,7 +55,7 @@ impl NativeBoard {
         self.guard.hear(now);
         self.report_imu(&match bytes {
             Some(bytes) => Report::Burst(at, bytes),
-            None => Report::Fault(now, Fault::ImuBus),
+            None => Report::Fault(now, Fault::ImuBus, false),
         });
         if let Some(check) = self.guard.check(at, || now) {
             self.imu_bus.time.set_ns(self.now_ns);
@@ -64,7 +64,7 @@ impl NativeBoard {
             let read = self.imu_bus.write_read(ADDRESS, &[check.register], into);
             self.report_imu(&match read {
                 Ok(()) => Report::Check(check, held),
-                Err(_) => Report::Fault(now, Fault::ImuBus),
+                Err(_) => Report::Fault(now, Fault::ImuBus, false),
             });
             self.watch_imu();
         }

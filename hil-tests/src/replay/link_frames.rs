@@ -3,7 +3,7 @@
 //! | message | when |
 //! |---|---|
 //! | HEARTBEAT | every second from the start |
-//! | SET_ATTITUDE_TARGET | 50 Hz, from 0.3 s before the flight: attitude, rates (see `ignored`) and thrust |
+//! | SET_ATTITUDE_TARGET | 50 Hz, from 0.3 s before the flight: attitude, rates (see `ignored`), from the flight on thrust |
 //! | COMMAND_LONG, arm | 0.2, 0.15, 0.1 and 0.05 s before the flight |
 //! | ODOMETRY | 10 Hz in flight, where the log has a valid position |
 
@@ -91,7 +91,12 @@ fn attitude_target(at_ns: u64, setpoints: &Setpoints, standstill: Standstill) ->
         body_roll_rate: roll as f32,
         body_pitch_rate: pitch as f32,
         body_yaw_rate: yaw as f32,
-        thrust: setpoint.thrust as f32,
+        // Motors are armed without thrust.
+        thrust: if at_ns < standstill.length_ns() {
+            0.0
+        } else {
+            setpoint.thrust as f32
+        },
         target_system: DRONE.0,
         target_component: DRONE.1,
         type_mask: ignored(setpoints.sources),

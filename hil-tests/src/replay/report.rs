@@ -61,6 +61,7 @@ impl Evidence<'_, '_> {
             ),
             setpoint: self.setpoint(),
             gaps: self.gaps(),
+            disarmed_s: (self.timeline.disarmed_us).map(|at_us| at_us as f64 * 1e-6),
             firmware: None,
             sensors: Input::ALL.map(|input| self.sensor(input)).into(),
             latency_us: latencies(&self.timeline.flight, &[]),

@@ -22,6 +22,7 @@ use crate::scoring::{
 
 /// A replay as its calls show it.
 pub(crate) struct Timeline<'c> {
+    /// Those of the flight, as far as it is scored.
     pub(crate) calls: &'c [Stamped],
     start: Start,
     start_us: u64,
@@ -42,6 +43,25 @@ pub(crate) struct Timeline<'c> {
     pub(crate) first_hyperperiod_us: Option<u64>,
     /// Samples behind the warm-up whose command was foreseen exactly.
     foreseen: u64,
+    /// When the firmware disarmed its motors, in us of its clock, where it did.
+    pub(crate) disarmed_us: Option<u64>,
+}
+
+/// How long before a disarm the score ends, in us: what led to it, as a crash, is no flight, and
+/// control that runs at other times disarms up to a failsafe period apart.
+const BEFORE_DISARM_US: u64 = 2_000_000;
+
+/// When motors were disarmed, in us of the firmware's clock.
+fn disarmed_us(calls: &[Stamped], start: &Start) -> Option<u64> {
+    let mut autopilot = start.autopilot(());
+    let mut armed = false;
+    let disarm = calls.iter().find(|stamped| {
+        stamped.call.replay(stamped.at, &mut autopilot);
+        let before = armed;
+        armed = autopilot.telemetry().state.is_armed();
+        before && !armed
+    });
+    disarm.map(|stamped| stamped.at.ticks())
 }
 
 /// The command that the motors held at an instant of the firmware's clock.
@@ -69,8 +89,11 @@ impl<'c> Timeline<'c> {
     /// # Errors
     /// The firmware computed other bits than the host.
     pub(crate) fn of(calls: &'c [Stamped], start: &Start, start_us: u64) -> Result<Self> {
+        let disarmed_us = disarmed_us(calls, start);
+        let end_us = disarmed_us.map_or(u64::MAX, |at| at.saturating_sub(BEFORE_DISARM_US));
+        let flown = calls.partition_point(|stamped| stamped.at.ticks() < end_us);
         let mut timeline = Self {
-            calls,
+            calls: &calls[..flown],
             start: *start,
             start_us,
             flight: FlightSteps::new(start_us, held_at(calls, start_us, start.airframe.count())),
@@ -83,11 +106,15 @@ impl<'c> Timeline<'c> {
             fallbacks_by_reason: FallbackReason::ALL.map(|reason| (reason, 0)),
             first_hyperperiod_us: None,
             foreseen: 0,
+            disarmed_us,
         };
         if start.settings.policy != Policy::Reactive {
             timeline.flight.end_warm_up(start_us);
         }
         timeline.walk()?;
+        for stamped in &calls[flown..] {
+            timeline.mirror.take(stamped)?;
+        }
         Ok(timeline)
     }
 

@@ -77,6 +77,9 @@ pub struct RunReport {
     pub setpoint: SetpointSource,
     /// Gaps in the log's samples.
     pub gaps: Vec<Gap>,
+    /// When the firmware disarmed its motors, in s of the board's time; the score ends 2 s earlier.
+    /// Null where it did not.
+    pub disarmed_s: Option<f64>,
     /// Sizes of the firmware that was replayed; null in the native tier, which runs none.
     pub firmware: Option<Firmware>,
     /// Every sensor, present in the log or not.

@@ -73,6 +73,9 @@ fn flown(run: &RunReport, score: &Score) -> String {
         options.noise,
         settings.motors.word()
     );
+    if let Some(at_s) = run.disarmed_s {
+        text += &format!("motors were disarmed at {at_s:.1} s: scored to 2 s before\n");
+    }
     if !run.gaps.is_empty() {
         let lost_s: f64 = run.gaps.iter().map(|gap| gap.length_s).sum();
         let count = run.gaps.len();

@@ -14,7 +14,7 @@ use reflex::app::{Autopilot, ChipAction, ChipSetting, Next};
 use reflex::config::SETTINGS;
 use reflex::control::Setpoint;
 use reflex::graph::CONFIGURED;
-use reflex::link::Message;
+use reflex::link::{ArmCommand, Message};
 use reflex::math::Vec3;
 use reflex::reactive::{Fit, Logistic, Phase, Refit};
 use reflex::sensors::{Cause, ChipSample, Input};
@@ -148,7 +148,7 @@ impl Flight {
         let hover = Thrust::new(0.5).expect("in range");
         for message in [
             Message::Setpoint(Setpoint::level(hover)),
-            Message::Arm(true),
+            Message::Arm(ArmCommand::ARM),
         ] {
             let _ = flight.autopilot.on_message(at_micros(flight.now), &message);
         }

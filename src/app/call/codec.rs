@@ -5,11 +5,12 @@ use reflex_settings::bytes;
 use super::{DecodeError, LONGEST_RECORD};
 use crate::airframe::MotorShares;
 use crate::app::{ChipAction, ChipOrder, ChipSetting, OrderError};
-use crate::control::{Setpoint, Yaw};
-use crate::link::{Destination, ExternalPose, Message};
+use crate::control::{MotorTest, Setpoint, Yaw};
+use crate::link::{ArmCommand, Destination, ExternalPose, Message};
 use crate::math::{Quaternion, Vec3};
 use crate::sensors::{Cause, ImuReading, Input};
 use crate::settings::MOST_MOTORS;
+use crate::time::micros;
 use crate::units::{BodyRates, Position, SpecificForce, Thrust, Velocity};
 
 pub(super) struct Encoder<'b> {
@@ -82,15 +83,21 @@ impl<'b> Encoder<'b> {
                 self.byte(u8::from(setpoint.yaw == Yaw::Rate));
                 self.float(setpoint.thrust.share());
             }
-            Message::Arm(arm) => {
+            Message::Arm(ArmCommand { arm, force }) => {
                 self.byte(2);
-                self.byte(u8::from(*arm));
+                self.put([u8::from(*arm), u8::from(*force)]);
             }
             Message::Pose(pose) => {
                 self.byte(3);
                 self.vector(pose.position.0);
                 self.vector(pose.velocity.0);
                 self.attitude(pose.attitude);
+            }
+            Message::TestMotor(test) => {
+                self.byte(5);
+                self.byte(test.motor);
+                self.float(test.share);
+                self.put(test.length.ticks().to_le_bytes());
             }
             Message::Goal(goal) => {
                 self.byte(4);
@@ -229,7 +236,10 @@ impl<'b> Decoder<'b> {
                 },
                 thrust: Thrust::new(self.float()?).ok_or(DecodeError::Unknown(1))?,
             }),
-            2 => Message::Arm(self.byte()? == 1),
+            2 => Message::Arm(ArmCommand {
+                arm: self.byte()? == 1,
+                force: self.byte()? == 1,
+            }),
             3 => Message::Pose(ExternalPose {
                 position: Position(self.vector()?),
                 velocity: Velocity(self.vector()?),
@@ -243,6 +253,11 @@ impl<'b> Decoder<'b> {
                     let heading = self.float()?;
                     given.then_some(heading)
                 },
+            }),
+            5 => Message::TestMotor(MotorTest {
+                motor: self.byte()?,
+                share: self.float()?,
+                length: micros(u64::from_le_bytes(self.take()?)),
             }),
             other => return Err(DecodeError::Unknown(other)),
         })

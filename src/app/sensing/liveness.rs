@@ -64,6 +64,11 @@ impl Silence {
         self.noticed = false;
     }
 
+    /// True while a silence that was noticed lasts.
+    pub(super) fn lasts(&self) -> bool {
+        self.noticed
+    }
+
     /// True once per silence that is longer than `patience`.
     ///
     /// At start-up the sensor is given its time to wake.

@@ -187,13 +187,16 @@ fn a_goal_without_a_fresh_place_is_refused_and_the_setpoint_keeps_its_timeout() 
     rig.tell(&goal(5.0));
     assert_eq!((rig.goal(), rig.autopilot.faults(Fault::Goal)), (None, 1));
     rig.told(20, &[pose(0.0, None)]);
-    assert_eq!(rig.watched(timeout() + 200, &[], Event::SetpointLost), 1);
+    assert_eq!(
+        rig.watched(timeout() + 200, &[], Event::Silent(Silence::Setpoint)),
+        1
+    );
     rig.tell(&goal(5.0));
     assert_eq!(rig.goal(), None, "the place is too old by now");
 }
 
 #[test]
-fn where_places_stop_a_goal_ends_level_at_the_thrust_last_commanded() {
+fn where_places_stop_a_goal_ends_level_at_the_mean_thrust_flown() {
     let mut rig = under_way(OpenPilot::default());
     let higher = Message::Goal(Destination {
         position: Position(Vec3::new(5.0, 0.0, -11.0)),
@@ -201,12 +204,14 @@ fn where_places_stop_a_goal_ends_level_at_the_thrust_last_commanded() {
     });
     rig.told(20, &[pose(0.0, None), higher]);
     rig.told(timeout() - 100, &[higher]);
-    let thrust = rig.autopilot.graph.collective();
-    assert_ne!(thrust, rig.autopilot.graph.flown().thrust);
     assert!(rig.goal().is_some());
-    assert_eq!(rig.watched(300, &[higher], Event::PlaceLost), 1);
+    assert_eq!(
+        rig.watched(300, &[higher], Event::Silent(Silence::Place)),
+        1
+    );
     assert_eq!(rig.goal(), None);
-    assert_eq!(*rig.autopilot.graph.flown(), Setpoint::level(thrust));
+    let level = Setpoint::level(rig.autopilot.safety.mean_thrust());
+    assert_eq!(*rig.autopilot.graph.flown(), level);
     rig.told(100, &[higher]);
     assert_eq!(rig.goal(), None, "until places come again");
     rig.told(40, &[pose(0.0, None), higher]);
@@ -224,13 +229,19 @@ fn a_silent_peer_leaves_the_last_goal_held_as_long_as_places_come() {
     let flown = rig.goal().expect("flown");
     assert_eq!(flown.velocity, moving.velocity);
     let places = [pose(0.0, None)];
-    assert_eq!(rig.watched(5 * timeout(), &places, Event::GoalHeld), 1);
+    assert_eq!(
+        rig.watched(3 * timeout(), &places, Event::Silent(Silence::Goal)),
+        1
+    );
     let held = crate::control::Goal {
         velocity: Velocity::default(),
         ..flown
     };
     assert_eq!(rig.goal(), Some(held), "it no longer moves");
-    assert_eq!(rig.watched(2 * timeout(), &[], Event::PlaceLost), 1);
+    assert_eq!(
+        rig.watched(2 * timeout(), &[], Event::Silent(Silence::Place)),
+        1
+    );
     assert_eq!(rig.goal(), None);
 }
 
@@ -245,7 +256,10 @@ fn the_newest_demand_counts() {
     assert_eq!(rig.goal().map(|goal| goal.position.0.x), Some(7.0));
     // Goals keep it alive in the setpoint's stead.
     let alive = [pose(0.0, None), goal(7.0)];
-    assert_eq!(rig.watched(2 * timeout(), &alive, Event::SetpointLost), 0);
+    assert_eq!(
+        rig.watched(2 * timeout(), &alive, Event::Silent(Silence::Setpoint)),
+        0
+    );
 }
 
 #[test]
@@ -269,7 +283,7 @@ fn without_a_heading_the_one_at_the_beginning_is_kept() {
 #[test]
 fn disarming_ends_the_goal() {
     let mut rig = under_way(OpenPilot::default());
-    rig.tell(&Message::Arm(false));
+    rig.tell(&Message::Arm(ArmCommand::FORCED_DISARM));
     assert_eq!(rig.goal(), None);
     assert_eq!(*rig.autopilot.graph.flown(), Setpoint::default());
 }
@@ -277,12 +291,12 @@ fn disarming_ends_the_goal() {
 #[test]
 fn on_the_ground_a_goal_that_nobody_repeats_is_forgotten() {
     let mut rig = under_way(OpenPilot::default());
-    rig.tell(&Message::Arm(false));
+    rig.tell(&Message::Arm(ArmCommand::FORCED_DISARM));
     rig.told(40, &[pose(0.0, None), goal(5.0)]);
     assert!(rig.goal().is_some());
     let places = [pose(0.0, None)];
     assert_eq!(
-        rig.watched(timeout() + 200, &places, Event::SetpointLost),
+        rig.watched(timeout() + 200, &places, Event::Silent(Silence::Goal)),
         1
     );
     assert_eq!(rig.goal(), None);

@@ -77,17 +77,43 @@ impl<L: ControlLogic> Rig<L> {
         }
     }
 
-    /// The same, calibrated and armed, with a setpoint of half thrust.
+    /// The same, calibrated and armed, in the air with a setpoint of half thrust.
     pub fn readied(mut self) -> Self {
         self.milliseconds(600, |_| Some(0));
-        self.tell(&Message::Setpoint(Setpoint::level(
-            Thrust::new(0.5).expect("in range"),
-        )));
-        assert_eq!(self.tell(&Message::Arm(true)), Some(Answer::Accepted));
+        self.fly_at(0.0);
+        assert_eq!(
+            self.tell(&Message::Arm(ArmCommand::ARM)),
+            Some(Answer::Accepted)
+        );
+        self.fly_at(0.5);
         self
     }
 
+    /// Lets time pass while a pilot holds it level at half thrust.
+    pub fn flown(&mut self, milliseconds: u64, mut rate: impl FnMut(u64) -> Option<i16>) {
+        for _ in 0..milliseconds / 500 {
+            self.fly_at(0.5);
+            self.milliseconds(500, &mut rate);
+        }
+    }
+
+    /// Tells it to fly level with a thrust.
+    pub fn fly_at(&mut self, thrust: f32) {
+        let thrust = Thrust::new(thrust).expect("in range");
+        self.tell(&Message::Setpoint(Setpoint::level(thrust)));
+    }
+
+    /// Lets time pass with readings of a drone at rest that turns; none where the sensor is silent.
     pub fn milliseconds(&mut self, count: u64, mut rate: impl FnMut(u64) -> Option<i16>) {
+        self.pass(count, |now| rate(now).map(turning));
+    }
+
+    /// Lets time pass with these readings.
+    pub fn readings(&mut self, count: u64, mut reading: impl FnMut(u64) -> ImuReading) {
+        self.pass(count, |now| Some(reading(now)));
+    }
+
+    fn pass(&mut self, count: u64, mut reading: impl FnMut(u64) -> Option<ImuReading>) {
         for _ in 0..count {
             self.now += 1000;
             let now = at_micros(self.now);
@@ -96,8 +122,8 @@ impl<L: ControlLogic> Rig<L> {
             {
                 self.outputs.push((self.now, output.share()));
             }
-            if let Some(rate) = rate(self.now)
-                && self.autopilot.on_imu(now, &turning(rate)) == Next::Hyperperiod
+            if let Some(reading) = reading(self.now)
+                && self.autopilot.on_imu(now, &reading) == Next::Hyperperiod
                 && let Some(output) = self.autopilot.on_hyperperiod(now)
             {
                 self.outputs.push((self.now, output.share()));

@@ -97,7 +97,7 @@ fn models_that_the_flight_refutes_are_learned_again_from_scratch() {
     assert_eq!(rig.phase(), Phase::Fallback(FallbackReason::FalsePositives));
     assert_eq!(rig.autopilot.fit(Input::Gyro), Fit::Unfit);
     assert!(rig.autopilot.outcomes(Outcome::FalsePositive) >= crate::config::JUDGED_RUNS);
-    rig.milliseconds(30_000, gusty);
+    rig.flown(30_000, gusty);
     assert_eq!(rig.phase(), Phase::Reactive);
 }
 
@@ -153,6 +153,9 @@ fn swaying(now: u64) -> Option<i16> {
 /// Lets time pass with a chip that samples at 100 Hz and carries out its orders.
 fn with_chip(rig: &mut Rig, milliseconds: u64, mut counts: impl FnMut(u64) -> [i16; 3]) {
     for step in 0..milliseconds {
+        if step % 500 == 0 {
+            rig.fly_at(0.5);
+        }
         rig.milliseconds(1, swaying);
         let now = at_micros(rig.now);
         if step % 10 == 0 {

@@ -16,6 +16,7 @@ use stm32f4xx_hal::{pac, rcc, rcc::Enable, rcc::Reset};
 
 use crate::board::clock::Delay;
 
+pub use blocking::BusError;
 pub use engine::{Buffer, Engine};
 
 /// APB1 clock in MHz, which the peripheral wants to know.
@@ -63,27 +64,41 @@ impl Bus {
         self.i2c.cr1().write(|w| w.pe().set_bit());
     }
 
+    /// Clears every error flag: each by a zero, which changes no other flag.
+    fn clear_errors(&mut self) {
+        self.i2c.sr1().reset();
+    }
+
     /// True while a line is low or a transfer is under way.
     fn is_busy(&self) -> bool {
         self.i2c.sr2().read().busy().bit_is_set()
     }
 
-    /// Resets the peripheral; where a chip still holds the bus, clocks it free.
+    /// True while somebody else holds SDA, in a pause of a transfer or without one.
+    fn is_data_held(&self) -> bool {
+        self.sda.is_low()
+    }
+
+    /// True while somebody holds a line though the peripheral does not.
+    fn is_held(&self) -> bool {
+        const BOTH: u32 = 1 << 8 | 1 << 9;
+        // SAFETY: reading changes nothing; both at once, as every burst asks.
+        let pins = unsafe { (*pac::GPIOB::ptr()).idr().read().bits() };
+        pins & BOTH != BOTH
+    }
+
+    /// Resets the peripheral and clocks the bus free, by what the pins read: BUSY may lag.
     ///
-    /// Takes up to 200 us in the second case. Returns what the clocks came to, `None` where none
-    /// were needed.
-    pub fn revive(&mut self) -> Option<Recovery> {
-        self.restart();
-        if !self.is_busy() {
-            return None;
-        }
+    /// Takes up to 200 us, 25 where nobody holds a line: a chip in the middle of sending ones looks
+    /// idle, so one clock with its STOP is always sent.
+    pub fn revive(&mut self) -> Recovery {
         let Self { scl, sda, .. } = self;
         let recovery = scl.with_open_drain_output_in_state(PinState::High, |scl| {
             sda.with_open_drain_output_in_state(PinState::High, |sda| recover(scl, sda, &mut Delay))
         });
         self.restart();
         match recovery {
-            Ok(recovery) => Some(recovery),
+            Ok(recovery) => recovery,
             Err(never) => match never {},
         }
     }

@@ -2,14 +2,14 @@
 //!
 //! Its samples come by [`super::i2c::Engine`].
 
-use reflex::app::Fault;
-use reflex::tasks::imu::Configure;
+use reflex::tasks::imu::{Configure, Remedy};
 use reflex::tasks::mpu6050::{CONFIG, Sensor};
+use reflex_drivers::Error;
 use reflex_drivers::legacy_hal::Lent;
 use reflex_drivers::mpu6050::{ADDRESS, Difference, Mpu6050};
 
-use super::i2c::Bus;
-use crate::board::clock::Delay;
+use super::i2c::{Bus, BusError};
+use crate::board::clock::{Delay, sleep};
 
 /// Wakes the chip and configures it, for the first time; 100 ms of that is the crate's wait.
 ///
@@ -34,21 +34,38 @@ pub fn start(bus: &mut Bus) {
     }
 }
 
-/// Frees the bus and configures the chip anew, in under 5 ms; says what is still wrong.
+/// What a repair came to.
+pub type Repaired = Result<(), Error<BusError>>;
+
+/// Frees the bus and configures the chip anew, in under 5 ms where it need not be reset before; says
+/// what is still wrong.
 ///
 /// `failed` keeps the outcome, so that only the first of many failures in a row is logged.
-pub fn repair(bus: &mut Bus, failed: &mut bool) -> Option<Fault> {
-    if let Some(recovery) = bus.revive() {
+pub async fn repair(bus: &mut Bus, remedy: Remedy, failed: &mut bool) -> Repaired {
+    let recovery = bus.revive();
+    if recovery.clocks != 1 && !*failed {
         defmt::warn!("I2C: {}", recovery);
     }
-    let result = Sensor::configure(bus);
+    let mut result = match recovery.is_free() {
+        true => Ok(()),
+        false => Err(Error::Bus(BusError::Timeout)),
+    };
+    if result.is_ok() && remedy == Remedy::Reset {
+        defmt::warn!("MPU6050 is reset");
+        let (steps, wait) = <Sensor as Configure<Bus>>::RESET;
+        for step in 0..steps {
+            result = result.and(Sensor::reset(bus, step));
+            sleep(wait).await;
+        }
+    }
+    let result = result.and_then(|()| Sensor::configure(bus));
     match result {
         Ok(()) => defmt::info!("MPU6050 configured anew"),
         Err(error) if !*failed => defmt::error!("MPU6050: {}; tried again", error),
         Err(_) => {}
     }
     *failed = result.is_err();
-    result.is_err().then_some(Fault::ImuBus)
+    result
 }
 
 /// Names the register that a check found changed.

@@ -40,9 +40,10 @@ impl Spi1 {
         rcc: &mut rcc::Rcc,
         scb: &mut SCB,
     ) -> Self {
-        sck.into_alternate::<5>().speed(Speed::High);
-        miso.into_alternate::<5>().speed(Speed::High);
-        mosi.into_alternate::<5>().speed(Speed::High);
+        // Slower edges of SCK corrupt the last bit that is received (ES0206, 2.12.4).
+        sck.into_alternate::<5>().speed(Speed::VeryHigh);
+        miso.into_alternate::<5>().speed(Speed::VeryHigh);
+        mosi.into_alternate::<5>().speed(Speed::VeryHigh);
         pac::SPI1::enable(rcc);
         pac::SPI1::reset(rcc);
         // SAFETY: no other bit changes, and nothing but this driver waits for events.

@@ -117,8 +117,8 @@ fn every_byte_is_accounted_for() {
 
 /// A piece of a stream: a whole frame, part of one, or noise rich in starts of frames.
 fn piece() -> impl Strategy<Value = Vec<u8>> {
-    let whole = (0..5_usize).prop_map(|which| all_frames()[which].clone());
-    let part = (0..5_usize, 0..260_usize).prop_map(|(which, length)| {
+    let whole = (0..FRAMES).prop_map(|which| all_frames()[which].clone());
+    let part = (0..FRAMES, 0..260_usize).prop_map(|(which, length)| {
         let mut bytes = all_frames()[which].clone();
         bytes.truncate(length);
         bytes
@@ -193,14 +193,15 @@ proptest! {
 
     #[test]
     fn random_payloads_never_pass_a_value_that_is_no_number(
-        which in 1..5_usize,
+        which in 1..FRAMES,
         bytes in proptest::collection::vec(any::<u8>(), 280),
     ) {
         let mut spoilt = all_frames()[which].clone();
         let end = spoilt.len() - 2;
         spoilt[10..end].copy_from_slice(&bytes[..end - 10]);
         let extra = [0, SET_ATTITUDE_TARGET_DATA::EXTRA_CRC, COMMAND_LONG_DATA::EXTRA_CRC,
-            ODOMETRY_DATA::EXTRA_CRC, SET_POSITION_TARGET_LOCAL_NED_DATA::EXTRA_CRC][which];
+            ODOMETRY_DATA::EXTRA_CRC, SET_POSITION_TARGET_LOCAL_NED_DATA::EXTRA_CRC,
+            COMMAND_INT_DATA::EXTRA_CRC, SETUP_SIGNING_DATA::EXTRA_CRC][which];
         seal(&mut spoilt, extra);
         for incoming in messages(&spoilt) {
             let Incoming::Message { message, .. } = incoming else { continue };
@@ -213,6 +214,7 @@ proptest! {
                     prop_assert!(it.position.is_finite() && it.velocity.is_finite());
                     prop_assert!(it.heading.is_none_or(|heading| heading.abs() <= 3.2));
                 }
+                Message::TestMotor(it) => prop_assert!((0.0..=1.0).contains(&it.share)),
                 Message::Heartbeat | Message::Arm(_) => {}
             }
         }

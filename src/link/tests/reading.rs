@@ -19,25 +19,25 @@ fn heartbeat(sequence: u8) -> Vec<u8> {
 fn all_messages_in_one_piece_are_read_in_order() {
     let bytes = all_frames().concat();
     let (found, counters) = read(&bytes);
-    assert_eq!(found.len(), 5);
+    assert_eq!(found.len(), all_frames().len());
     assert!(matches!(
         found[2],
         Incoming::Message {
-            message: Message::Arm(true),
+            message: Message::Arm(ArmCommand::ARM),
             ..
         }
     ));
     assert_eq!(
         counters,
         LinkCounters {
-            frames: 5,
+            frames: all_frames().len() as u32,
             ..LinkCounters::default()
         }
     );
 }
 
 #[test]
-fn the_signature_of_a_signed_frame_is_skipped() {
+fn without_a_key_signatures_are_not_looked_at() {
     let mut bytes = with_signature(heartbeat(0), HEARTBEAT_DATA::EXTRA_CRC);
     bytes.extend(with_signature(
         frame(1, &odometry()),
@@ -200,5 +200,5 @@ fn stamps_that_go_back_do_no_harm() {
 
 #[test]
 fn the_parser_stays_small() {
-    assert!(size_of::<Parser>() <= 400, "{}", size_of::<Parser>());
+    assert!(size_of::<Parser>() <= 640, "{}", size_of::<Parser>());
 }

@@ -3,7 +3,8 @@
 use super::*;
 use mavlink::MavlinkVersion;
 use mavlink::dialects::common::{
-    COMMAND_ACK_DATA, MavAutopilot, MavModeFlag, MavResult, MavState, MavType,
+    COMMAND_ACK_DATA, MavAutopilot, MavModeFlag, MavResult, MavSeverity, MavState, MavType,
+    STATUSTEXT_DATA,
 };
 
 /// The content of a frame of ours, checked; its sequence number.
@@ -69,6 +70,7 @@ fn every_answer_has_its_result() {
             Answer::TemporarilyRejected,
             MavResult::MAV_RESULT_TEMPORARILY_REJECTED,
         ),
+        (Answer::Denied, MavResult::MAV_RESULT_DENIED),
         (Answer::Unsupported, MavResult::MAV_RESULT_UNSUPPORTED),
     ] {
         let frame = Sender::new(4).command_ack(GROUND, ARM_DISARM, answer);
@@ -82,7 +84,49 @@ fn an_answer_names_its_peer_and_any_command() {
     let frame = Sender::new(4).command_ack(GROUND, 60_000, Answer::Unsupported);
     let payload = [0x60, 0xEA, 3, 0, 0, 0, 0, 0, 255, 190];
     assert_eq!(frame.as_bytes()[10..20], payload);
-    assert_eq!(frame.as_bytes().len(), LONGEST_FRAME_OUT);
+    assert_eq!(frame.as_bytes().len(), 12 + payload.len());
+}
+
+#[test]
+fn a_notice_says_what_happened_and_why_and_how_bad_it_is() {
+    let long = "1234567890123456789012345678901234567890";
+    let cases = [
+        (
+            Severity::Emergency,
+            MavSeverity::MAV_SEVERITY_EMERGENCY,
+            "",
+            ": ",
+        ),
+        (
+            Severity::Warning,
+            MavSeverity::MAV_SEVERITY_WARNING,
+            "tilted",
+            "tilted: ",
+        ),
+        (Severity::Debug, MavSeverity::MAV_SEVERITY_DEBUG, long, long),
+    ];
+    for (ours, severity, what, line) in cases {
+        let frame = Sender::new(4).notice(&Notice::new(ours, what, ""));
+        assert!(frame.as_bytes().len() <= LONGEST_FRAME_OUT);
+        let told = content::<STATUSTEXT_DATA>(&frame).0;
+        assert_eq!(told.severity, severity);
+        assert!(
+            told.text
+                .to_str()
+                .is_ok_and(|text| text.starts_with(line.trim_end()))
+        );
+    }
+}
+
+#[test]
+fn a_notice_that_is_too_long_is_cut_off() {
+    let letters = "123456789012345678901234567890";
+    let frame = Sender::new(4).notice(&Notice::new(Severity::Info, letters, letters));
+    let told = content::<STATUSTEXT_DATA>(&frame).0;
+    assert_eq!(
+        told.text.to_str(),
+        Ok(&*format!("{letters}: {letters}")[..Notice::LONGEST].to_owned())
+    );
 }
 
 #[test]

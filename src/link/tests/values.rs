@@ -1,8 +1,9 @@
 //! What the fields of a sound frame mean, and which values are refused.
 
 use super::*;
-use crate::control::{Setpoint, Yaw};
+use crate::control::{MotorTest, Setpoint, Yaw};
 use crate::math::{Quaternion, Vec3};
+use crate::time::micros;
 use crate::units::{BodyRates, Position, Thrust, Velocity};
 use mavlink::MavlinkVersion;
 use mavlink::dialects::common::{MavMessage, MavModeFlag, MavState, MavType};
@@ -148,33 +149,74 @@ fn thrust_and_attitude_have_narrow_ranges() {
 
 #[test]
 fn arm_and_disarm_are_commands_of_zero_and_one() {
-    assert_eq!(message_of(&arm_command(1.0)), Some(Message::Arm(true)));
-    assert_eq!(message_of(&arm_command(0.0)), Some(Message::Arm(false)));
+    assert_eq!(
+        message_of(&arm_command(1.0)),
+        Some(Message::Arm(ArmCommand::ARM))
+    );
+    assert_eq!(
+        message_of(&arm_command(0.0)),
+        Some(Message::Arm(ArmCommand::DISARM))
+    );
     let forced = COMMAND_LONG_DATA {
         param2: 21196.0,
         ..arm_command(1.0)
     };
-    assert_eq!(message_of(&forced), Some(Message::Arm(true)));
+    let expected = ArmCommand {
+        force: true,
+        ..ArmCommand::ARM
+    };
+    assert_eq!(message_of(&forced), Some(Message::Arm(expected)));
+    for other in [0.0, 1.0, 21_195.0, f32::NAN] {
+        let command = COMMAND_LONG_DATA {
+            param2: other,
+            ..arm_command(0.0)
+        };
+        let expected = Message::Arm(ArmCommand::DISARM);
+        assert_eq!(message_of(&command), Some(expected), "{other}");
+    }
+}
+
+#[test]
+fn a_command_with_integers_is_read_alike() {
+    let command = COMMAND_INT_DATA {
+        param2: 21196.0,
+        ..int_command()
+    };
+    let expected = ArmCommand {
+        arm: true,
+        force: true,
+    };
+    assert_eq!(message_of(&command), Some(Message::Arm(expected)));
+    let takeoff = COMMAND_INT_DATA {
+        command: MavCmd::MAV_CMD_NAV_TAKEOFF,
+        ..command
+    };
+    let (found, _) = read(&frame(0, &takeoff));
+    let refused = Incoming::Refused {
+        from: GROUND,
+        command: 22,
+        answer: Answer::Unsupported,
+    };
+    assert_eq!(found, [refused]);
 }
 
 #[test]
 fn other_commands_are_answered_and_not_passed_on() {
-    let mut cases: Vec<(u16, Vec<u8>)> = [0.5, 2.0, -1.0, f32::NAN, f32::INFINITY]
-        .map(|arm| (ARM_DISARM, frame(0, &arm_command(arm))))
+    let mut cases: Vec<(u16, Answer, Vec<u8>)> = [0.5, 2.0, -1.0, f32::NAN, f32::INFINITY]
+        .map(|arm| (ARM_DISARM, Answer::Denied, frame(0, &arm_command(arm))))
         .to_vec();
     let takeoff = COMMAND_LONG_DATA {
         command: MavCmd::MAV_CMD_NAV_TAKEOFF,
         ..arm_command(1.0)
     };
-    cases.push((22, frame(0, &takeoff)));
+    cases.push((22, Answer::Unsupported, frame(0, &takeoff)));
     // A number that the dialect does not name.
     let mut vendor = frame(0, &takeoff);
     vendor[10 + 28..10 + 30].copy_from_slice(&60_000_u16.to_le_bytes());
     seal(&mut vendor, COMMAND_LONG_DATA::EXTRA_CRC);
-    cases.push((60_000, vendor));
-    for (command, bytes) in cases {
+    cases.push((60_000, Answer::Unsupported, vendor));
+    for (command, answer, bytes) in cases {
         let (found, counters) = read(&bytes);
-        let answer = Answer::Unsupported;
         assert_eq!(
             found,
             [Incoming::Refused {
@@ -187,18 +229,78 @@ fn other_commands_are_answered_and_not_passed_on() {
     }
 }
 
+fn motor_test(motor: f32, kind: f32, percent: f32, length_s: f32) -> COMMAND_LONG_DATA {
+    COMMAND_LONG_DATA {
+        command: MavCmd::MAV_CMD_DO_MOTOR_TEST,
+        param2: kind,
+        param3: percent,
+        param4: length_s,
+        ..arm_command(motor)
+    }
+}
+
+#[test]
+fn a_motor_test_names_one_motor_a_throttle_in_percent_and_a_time() {
+    let expected = MotorTest {
+        motor: 2,
+        share: 10.0 * 0.01,
+        length: micros(1_500_000),
+    };
+    let found = message_of(&motor_test(3.0, 0.0, 10.0, 1.5));
+    assert_eq!(found, Some(Message::TestMotor(expected)));
+    let wrong = [
+        motor_test(0.0, 0.0, 10.0, 1.0),
+        motor_test(9.0, 0.0, 10.0, 1.0),
+        motor_test(f32::NAN, 0.0, 10.0, 1.0),
+        motor_test(1.0, 1.0, 10.0, 1.0),
+        motor_test(1.0, 0.0, 101.0, 1.0),
+        motor_test(1.0, 0.0, f32::NAN, 1.0),
+        motor_test(1.0, 0.0, 10.0, -1.0),
+        motor_test(1.0, 0.0, 10.0, f32::INFINITY),
+        COMMAND_LONG_DATA {
+            param5: 4.0,
+            ..motor_test(1.0, 0.0, 10.0, 1.0)
+        },
+    ];
+    for command in wrong {
+        let (found, _) = read(&frame(0, &command));
+        let refused = Incoming::Refused {
+            from: GROUND,
+            command: MOTOR_TEST,
+            answer: Answer::Denied,
+        };
+        assert_eq!(found, [refused], "{command:?}");
+    }
+}
+
 #[test]
 fn messages_for_others_are_neither_obeyed_nor_answered() {
     for system in 0..=255_u8 {
         for component in 0..=255_u8 {
-            let ours = system <= SYSTEM && component <= COMPONENT;
             let mut command = arm_command(1.0);
             (command.target_system, command.target_component) = (system, component);
-            assert_eq!(message_of(&command).is_some(), ours, "{system}/{component}");
+            let (found, counters) = read(&frame(0, &command));
+            let others = !matches!((system, component), (0 | SYSTEM, 0 | COMPONENT));
+            assert_eq!(counters.not_for_us, u32::from(others));
+            match (system, component) {
+                (SYSTEM, 0 | COMPONENT) => {
+                    assert!(matches!(found[..], [Incoming::Message { .. }]));
+                }
+                // One command would arm every drone that hears it.
+                (0, 0 | COMPONENT) => assert_eq!(
+                    found,
+                    [Incoming::Refused {
+                        from: GROUND,
+                        command: ARM_DISARM,
+                        answer: Answer::Denied,
+                    }]
+                ),
+                _ => assert!(found.is_empty(), "{system}/{component}"),
+            }
         }
         let mut target = attitude_target();
         target.target_system = system;
-        assert_eq!(message_of(&target).is_some(), system <= SYSTEM);
+        assert_eq!(message_of(&target).is_some(), system == SYSTEM);
         target = attitude_target();
         target.target_component = system;
         assert_eq!(message_of(&target).is_some(), system <= COMPONENT);

@@ -24,6 +24,9 @@ pub(super) const HOLES: [Range<u64>; 6] = [
 ];
 /// How long after its first motor pulse the firmware may still configure pins.
 const WIRING_GRACE_NS: u64 = 300_000_000;
+/// Polls in a row that must find a wire wrong: while the firmware frees a hung bus, it takes the pins
+/// from the peripheral for a moment.
+const WIRING_LOOKS: u32 = 20;
 
 /// What the last polls have shown.
 pub(super) struct Health {
@@ -38,7 +41,9 @@ pub(super) struct Health {
     started_ns: Option<u64>,
     active_ns: u64,
     driven: u8,
-    wiring_checked: bool,
+    /// The motors with which the wiring was found right.
+    right_with: Option<u8>,
+    wrong_looks: u32,
 }
 
 impl Health {
@@ -54,7 +59,8 @@ impl Health {
             started_ns: None,
             active_ns: 0,
             driven: 0,
-            wiring_checked: false,
+            right_with: None,
+            wrong_looks: 0,
         }
     }
 
@@ -96,10 +102,9 @@ impl Health {
             .or_else(|| self.lifeless(batch.at_ns))
     }
 
-    /// The wiring once more, for runs that end before it was looked at.
+    /// The wiring, for runs that end before it was found right.
     pub(super) fn last_check(&mut self, part: &Part) -> Option<FaultKind> {
-        self.started_ns?;
-        self.wiring_checked = false;
+        self.wrong_looks = WIRING_LOOKS;
         self.miswired(part, u64::MAX)
     }
 
@@ -141,12 +146,17 @@ impl Health {
 
     fn miswired(&mut self, part: &Part, now_ns: u64) -> Option<FaultKind> {
         let due = self.started_ns? + WIRING_GRACE_NS;
-        if self.wiring_checked || now_ns < due {
+        if self.right_with == Some(self.driven) || now_ns < due {
             return None;
         }
-        self.wiring_checked = true;
         let problems = wiring::problems(part, self.driven);
-        (!problems.is_empty()).then_some(FaultKind::Wiring(problems))
+        if problems.is_empty() {
+            self.right_with = Some(self.driven);
+            self.wrong_looks = 0;
+            return None;
+        }
+        self.wrong_looks += 1;
+        (self.wrong_looks > WIRING_LOOKS).then_some(FaultKind::Wiring(problems))
     }
 }
 

@@ -1,7 +1,7 @@
 //! The processor as this board has it: the emulator's part, completed.
 //!
-//! Three peripherals are ours ([`Exti`], [`Syscfg`], [`PwmTimer`]); everything
-//! else is the emulator's. The sensors' interrupt pins and the frames of the
+//! Ours are [`Exti`], [`Syscfg`], [`PwmTimer`], and with the inertial sensor's bus [`I2c`],
+//! [`OpenDrainPort`] and [`SlowDma`]; everything else is the emulator's. The sensors' interrupt pins and the frames of the
 //! link change at instants the part cannot know, so it asks for a stop at the
 //! next of them and looks at every stop what has changed.
 
@@ -10,8 +10,9 @@ use rigless::machine::{Board, Target, armv7m};
 use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::Store;
 use rigless::soc::stm32f427::Stm32f427;
-use rigless::soc::stm32f427::generated::rcc;
+use rigless::soc::stm32f427::generated::{dma2, rcc};
 use rigless::soc::stm32f427::peripherals::adc::Channel;
+use rigless::soc::stm32f427::peripherals::dma::Dma;
 use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::soc::{Bus, Error};
 use rigless::time::VirtualNanos;
@@ -19,17 +20,21 @@ use rigless::time::VirtualNanos;
 use std::num::{NonZeroU32, NonZeroU64};
 use std::sync::Arc;
 
+use super::dma::SlowDma;
 use super::exti::Exti;
+use super::i2c::{I2c, SharedWires};
 use super::link::Link;
 use super::meter::SharedMeter;
 use super::metered::MeteredCore;
+use super::open_drain::OpenDrainPort;
 use super::pwm_timer::{CHANNELS, PwmTimer};
 use super::reflex_f427::{
-    BATTERY_ADC, BATTERY_CHANNELS, CRYSTAL_HZ, LINE_PORT_NUMBER, LINK_USART, MOTOR_TIMERS,
-    PULLED_UP,
+    BATTERY_ADC, BATTERY_CHANNELS, CRYSTAL_HZ, IMU_BUS, IMU_PORT, LINE_PORT_NUMBER, LINK_USART,
+    MOTOR_TIMERS,
 };
 use super::sensors::Sensors;
 use super::syscfg::Syscfg;
+use crate::bus_fault::Script;
 use crate::{Edge, SensorLine};
 
 /// Supply of the processor, in mV.
@@ -43,6 +48,9 @@ struct Slots {
     syscfg: usize,
     timers: [usize; 2],
     rcc: usize,
+    imu_bus: usize,
+    imu_port: usize,
+    dma: usize,
 }
 
 /// The STM32F427 with the sensors and the link on its pins.
@@ -52,6 +60,10 @@ pub(super) struct Part {
     exti: Exti,
     pub(super) syscfg: Syscfg,
     pub(super) timers: [PwmTimer; 2],
+    imu_bus: I2c,
+    imu_port: OpenDrainPort,
+    dma: SlowDma,
+    script: Arc<Script>,
     slots: Slots,
     sensors: Sensors,
     pub(super) link: Link,
@@ -63,8 +75,8 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// A part out of reset with its crystal, supply, sensors and link.
-    pub(super) fn new(sensors: Sensors, link: Link) -> Result<Self, Error> {
+    /// A part out of reset with its crystal, supply, sensors and link, and what disturbs it.
+    pub(super) fn new(sensors: Sensors, link: Link, script: Script) -> Result<Self, Error> {
         let mut soc = Stm32f427::new()?;
         soc.rcc.attach_crystals(CRYSTAL_HZ, 0);
         soc.set_supply(SUPPLY_MV);
@@ -77,12 +89,23 @@ impl Part {
             syscfg: soc.bus().slot("SYSCFG")?,
             timers: [soc.bus().slot(first)?, soc.bus().slot(second)?],
             rcc: soc.bus().slot("RCC")?,
+            imu_bus: soc.bus().slot(IMU_BUS)?,
+            imu_port: soc.bus().slot(IMU_PORT)?,
+            dma: soc.bus().slot("DMA1")?,
         };
+        let script = Arc::new(script);
+        let wires = SharedWires::new(Arc::clone(&sensors.imu), Arc::clone(&script));
+        let [controller, _] = &mut soc.dma;
+        let controller = std::mem::replace(controller, Dma::new(&[], &[], false));
         let mut part = Self {
             soc,
             exti: Exti::default(),
             syscfg: Syscfg::default(),
             timers: [PwmTimer::new(0), PwmTimer::new(CHANNELS)],
+            imu_bus: I2c::new(wires.clone()),
+            imu_port: OpenDrainPort::new(wires),
+            dma: SlowDma::new(controller, Arc::clone(&script)),
+            script,
             slots,
             sensors,
             link,
@@ -119,9 +142,10 @@ impl Part {
 
     /// Puts on the pins what the board holds there at a reset.
     fn drive_outside(&mut self, at: VirtualNanos) {
-        for (port, pin) in PULLED_UP {
-            self.drive_pin(at, port, pin, true);
-        }
+        let (registers, mut context) = self.soc.bus_mut().drive(at, self.slots.imu_port);
+        self.imu_port.sample(registers, &mut context);
+        let (_, mut context) = self.soc.bus_mut().drive(at, self.slots.imu_bus);
+        self.imu_bus.start(&mut context);
         for line in SensorLine::ALL {
             self.drive_pin(at, LINE_PORT_NUMBER, line.pin(), self.levels[line as usize]);
         }
@@ -142,7 +166,13 @@ impl Part {
         if std::mem::take(&mut self.syscfg.changed) {
             self.reselect_lines();
         }
-        let (levels, next_change_ns) = self.sensors.lines();
+        let (mut levels, mut next_change_ns) = self.sensors.lines();
+        for line in SensorLine::ALL {
+            let level = &mut levels[line as usize];
+            let (disturbed, next_ns) = self.script.line(line, *level, now.0);
+            *level = disturbed;
+            next_change_ns = next_change_ns.min(next_ns);
+        }
         self.next_change_ns = next_change_ns;
         if levels == self.levels {
             return;
@@ -205,6 +235,9 @@ impl Mcu for Part {
         Device::reset(&mut self.exti);
         Device::reset(&mut self.syscfg);
         self.timers.iter_mut().for_each(Device::reset);
+        Device::reset(&mut self.imu_bus);
+        Device::reset(&mut self.imu_port);
+        Device::reset(&mut self.dma);
         self.armed_ns = u64::MAX;
         self.drive_outside(at);
         self.arm(at);
@@ -222,6 +255,9 @@ impl Mcu for Part {
             exti,
             syscfg,
             timers,
+            imu_bus,
+            imu_port,
+            dma,
             slots,
             ..
         } = self;
@@ -231,6 +267,17 @@ impl Mcu for Part {
             &mut timers[0]
         } else if slot == slots.timers[1] {
             &mut timers[1]
+        } else if slot == slots.imu_bus {
+            let streams = soc.bus().slots()[slots.dma].registers();
+            imu_bus.dma_left = match dma2::s0cr::EN.is_set(streams.get(dma2::Register::S0cr)) {
+                true => streams.get(dma2::Register::S0ndtr),
+                false => 0,
+            };
+            imu_bus
+        } else if slot == slots.imu_port {
+            imu_port
+        } else if slot == slots.dma {
+            dma
         } else if slot == slots.syscfg {
             let enables = soc.bus().slots()[slots.rcc].registers();
             let enabled = rcc::apb2enr::SYSCFGEN.is_set(enables.get(rcc::Register::Apb2enr));

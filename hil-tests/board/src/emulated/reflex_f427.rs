@@ -17,12 +17,15 @@ pub(super) const MOTOR_TIMERS: [&str; 2] = ["TIM3", "TIM4"];
 pub(super) const LINE_PORT: &str = "GPIOC";
 pub(super) const LINE_PORT_NUMBER: usize = 2;
 
-/// Pins that resistors pull up, by port and pin: I2C1's clock and data.
-pub(super) const PULLED_UP: [(usize, u8); 2] = [(1, 8), (1, 9)];
+/// The inertial sensor's bus, its port with the pins of clock and data, which resistors pull up, and
+/// the stream of DMA1 that serves it.
+pub(super) const IMU_BUS: &str = "I2C1";
+pub(super) const IMU_PORT: &str = "GPIOB";
+pub(super) const IMU_SCL: u8 = 8;
+pub(super) const IMU_SDA: u8 = 9;
+pub(super) const IMU_STREAM: usize = 0;
 
-/// Places of I2C1, SPI1 and USART2 among the emulator's: the inertial sensor's bus, the bus of the
-/// other chips, and the link.
-pub(super) const IMU_I2C: usize = 0;
+/// Places of SPI1 and USART2 among the emulator's: the bus of the other chips, and the link.
 pub(super) const CHIPS_SPI: usize = 0;
 pub(super) const LINK_USART: usize = 1;
 
@@ -127,8 +130,8 @@ const BUSES: [Wire; 7] = [
     Wire::new("SPI1_SCK", "GPIOA", 5, function(5)),
     Wire::new("SPI1_MISO", "GPIOA", 6, function(5)),
     Wire::new("SPI1_MOSI", "GPIOA", 7, function(5)),
-    Wire::new("I2C1_SCL", "GPIOB", 8, I2C),
-    Wire::new("I2C1_SDA", "GPIOB", 9, I2C),
+    Wire::new("I2C1_SCL", IMU_PORT, IMU_SCL, I2C),
+    Wire::new("I2C1_SDA", IMU_PORT, IMU_SDA, I2C),
     Wire::new("USART2_TX", "GPIOD", 5, function(7)),
     Wire::new("USART2_RX", "GPIOD", 6, function(7)),
 ];

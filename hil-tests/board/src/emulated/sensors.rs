@@ -7,14 +7,14 @@
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use rigless::chip::{Timeline, i2c, spi};
+use rigless::chip::{Timeline, spi};
 use rigless::device::Level;
 use rigless::snapshot::Store;
 use rigless::soc::stm32f427::Stm32f427;
 use rigless::soc::stm32f427::peripherals::gpio::Pin;
 use rigless::soc::stm32f427::peripherals::spi::Select;
 
-use super::reflex_f427::{CHIPS_SPI, IMU_I2C, SELECTS, SensorLine, Wire};
+use super::reflex_f427::{CHIPS_SPI, SELECTS, SensorLine, Wire};
 use chip_models::{I2cChip, OfDies, SharedChips, SpiChip};
 
 /// The chips of the board, each shared with its owner.
@@ -42,14 +42,13 @@ impl fmt::Debug for Sensors {
 }
 
 impl Sensors {
-    /// Hangs the chips on the part's buses, as the board is wired.
+    /// Hangs the chips on the emulator's bus, as the board is wired; the inertial sensor's is ours.
     pub(super) fn attach(&self, soc: &mut Stm32f427) {
         let select = |Wire { port, pin, .. }| Select {
             port,
             pin: Pin::new(pin).expect("a port has sixteen pins"),
             active: Level::Low,
         };
-        soc.i2c[IMU_I2C].attach(ImuPeer(Arc::clone(&self.imu)));
         let spi = &mut soc.spi[CHIPS_SPI];
         for (die, wired) in self.dies.iter().zip(SELECTS) {
             spi.attach_selected(SpiPeer(Arc::clone(die)), select(wired));
@@ -82,34 +81,6 @@ impl Sensors {
 /// A chip that panicked is reported by that panic, not by its lock.
 fn lock<T: ?Sized>(chip: &Mutex<T>) -> MutexGuard<'_, T> {
     chip.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-struct ImuPeer(Arc<Mutex<dyn I2cChip>>);
-
-impl fmt::Debug for ImuPeer {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("ImuPeer")
-    }
-}
-
-impl Store for ImuPeer {}
-
-impl i2c::Peer for ImuPeer {
-    fn start(&mut self, address: u8, read: bool, context: &mut Timeline<'_, '_>) -> bool {
-        lock(&self.0).start(context.now().0, address, read)
-    }
-
-    fn write(&mut self, byte: u8, context: &mut Timeline<'_, '_>) -> bool {
-        lock(&self.0).write(context.now().0, byte)
-    }
-
-    fn read(&mut self, last: bool, context: &mut Timeline<'_, '_>) -> u8 {
-        lock(&self.0).read(context.now().0, last)
-    }
-
-    fn stop(&mut self, context: &mut Timeline<'_, '_>) {
-        lock(&self.0).stop(context.now().0);
-    }
 }
 
 struct SpiPeer(Arc<Mutex<dyn SpiChip>>);

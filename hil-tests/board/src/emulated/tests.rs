@@ -1,5 +1,6 @@
 //! The models on their own, and whole runs of programs of a few words.
 
+mod i2c;
 mod models;
 mod program;
 mod runs;

@@ -48,6 +48,11 @@ fn check(report: &Report) {
     let unexpected = [
         "imu_bus",
         "imu_overrun",
+        "imu_stale",
+        "imu_configuration",
+        "imu_glitch",
+        "imu_line",
+        "imu_edge",
         "chip_bus",
         "link_frame",
         "link_overrun",

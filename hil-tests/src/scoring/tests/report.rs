@@ -93,6 +93,7 @@ pub(super) fn run_report(flight: &FlightSteps) -> RunReport {
         seed: 1,
         options: options(),
         setpoint: SetpointSource::LowPassed,
+        disarmed_s: None,
         gaps: vec![Gap {
             start_s: 0.001,
             length_s: 0.0125,

@@ -18,8 +18,6 @@ const MOST_LOOKS: u32 = 100;
 pub enum BusError {
     /// Nobody answered to the address or took the byte.
     NoAcknowledge,
-    /// A START or STOP at the wrong place.
-    Misplaced,
     /// Another master won, or a line is held.
     ArbitrationLost,
     /// A flag did not come in time: the bus hangs.
@@ -30,7 +28,6 @@ impl Error for BusError {
     fn kind(&self) -> ErrorKind {
         match self {
             Self::NoAcknowledge => ErrorKind::NoAcknowledge(NoAcknowledgeSource::Unknown),
-            Self::Misplaced => ErrorKind::Bus,
             Self::ArbitrationLost => ErrorKind::ArbitrationLoss,
             Self::Timeout => ErrorKind::Other,
         }
@@ -49,9 +46,9 @@ impl I2c for Bus {
     ) -> Result<(), BusError> {
         let result = self.run(address, operations);
         if result.is_err() {
-            // A chip left in the middle of a transfer waits for the STOP.
-            self.i2c.cr1().write(|w| w.pe().set_bit().stop().set_bit());
-            let _ = self.until_free();
+            // A chip left in the middle of a transfer waits for clocks and a STOP. The peripheral
+            // cannot give them: a request may be pending, which forbids another (RM0090, 27.6.1).
+            self.restart();
             self.revive();
         }
         result
@@ -94,7 +91,8 @@ impl Bus {
                 return Err(BusError::NoAcknowledge);
             }
             if status.berr().bit_is_set() {
-                return Err(BusError::Misplaced);
+                // Spurious in a master, whose transfer goes on (ES0206, 2.10.1).
+                self.clear_errors();
             }
             if status.arlo().bit_is_set() {
                 return Err(BusError::ArbitrationLost);

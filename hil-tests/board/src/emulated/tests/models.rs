@@ -6,6 +6,7 @@ use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
 use super::{Pulse, sensors};
+use crate::bus_fault::Script;
 use crate::emulated::link::Link;
 use crate::emulated::part::Part;
 use crate::emulated::wiring;
@@ -25,7 +26,7 @@ struct DrivenPart(Part);
 
 impl DrivenPart {
     fn new(imu: Pulse) -> Self {
-        Self(Part::new(sensors(imu), Link::default()).unwrap())
+        Self(Part::new(sensors(imu), Link::default(), Script::default()).unwrap())
     }
 
     fn write(&mut self, at_ns: u64, address: u64, value: u64) {

@@ -1,0 +1,245 @@
+//! From arming to the end of a flight: what is flown without a pilot.
+
+use super::demand::{Aim, Silence};
+use super::{Autopilot, Event, Next, Reason, Recorder, notice};
+use crate::config::{ARMING_GRAVITY_ERROR, ARMING_RATE, ARMING_THRUST, ARMING_TILT};
+use crate::control::{Goal, MotorTest, Setpoint};
+use crate::graph::ControlLogic;
+use crate::link::{Answer, ArmCommand};
+use crate::math::sin_cos;
+use crate::reactive::PhaseEvent;
+use crate::safety::{Check, Checks, FlightEvent, FlightState, Seen};
+use crate::sensors::GRAVITY;
+use crate::time::Instant;
+use crate::units::{Thrust, Velocity};
+
+impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
+    // What the pilot asks for.
+
+    pub(super) fn on_arm(&mut self, at: Instant, asked: &ArmCommand) -> (Next, Option<Answer>) {
+        let done = match (asked.arm, asked.force) {
+            // Never forced: the checks hold for everyone.
+            (true, _) => self.arm(at),
+            (false, false) => self.move_state(FlightEvent::Disarm, at),
+            (false, true) => self.move_state(FlightEvent::ForceDisarm, at),
+        };
+        let answer = if done {
+            Answer::Accepted
+        } else {
+            Answer::TemporarilyRejected
+        };
+        // The motors stop now, not when the next sample comes.
+        let next = if self.safety.is_armed() {
+            Next::Wait
+        } else {
+            self.reactive.force(Reason::Ground);
+            Next::Hyperperiod
+        };
+        (next, Some(answer))
+    }
+
+    /// One motor turns, while the drone is disarmed; a next test takes the place of one under way.
+    pub(super) fn on_motor_test(
+        &mut self,
+        at: Instant,
+        test: &MotorTest,
+    ) -> (Next, Option<Answer>) {
+        let known = usize::from(test.motor) < self.safety.applied().len();
+        let stands = matches!(
+            self.safety.state(),
+            FlightState::Disarmed | FlightState::Testing
+        );
+        let answer = match (known, stands) {
+            (false, _) => Answer::Denied,
+            (_, false) => Answer::TemporarilyRejected,
+            _ => {
+                self.move_state(FlightEvent::TestMotor, at);
+                self.safety.plan_test(at, test);
+                Answer::Accepted
+            }
+        };
+        (Next::Wait, Some(answer))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn arm(&mut self, at: Instant) -> bool {
+        if self.safety.is_armed() {
+            return true;
+        }
+        let checks = self.checks(at);
+        if checks.all_passed() {
+            self.move_state(FlightEvent::Arm, at);
+            return true;
+        }
+        self.record.event(Event::NotArmed(checks));
+        for check in checks.failed() {
+            self.record.notice(notice::not_armed(check));
+        }
+        false
+    }
+
+    /// What must be right before motors may turn.
+    fn checks(&self, now: Instant) -> Checks {
+        let calibrated = self.safety.state() != FlightState::Calibrating;
+        let down = self.graph.estimate().down_in_body();
+        let rates = self.sensing.motion().rotation.rates.0;
+        let force = self.sensing.force().0.norm();
+        let flies = !self.demand.is_silent() || self.flies_to_places(now);
+        let goal = self.graph.flown_to().is_some();
+        let thrust = self.graph.flown().thrust.share();
+        Checks::NONE
+            .and(Check::Calibration, calibrated)
+            .and(Check::Imu, !self.sensing.is_silent())
+            .and(Check::Configuration, self.record.are_sensors_sound(now))
+            .and(Check::Still, rates.max_norm() <= ARMING_RATE)
+            .and(
+                Check::Gravity,
+                (force - GRAVITY).abs() <= ARMING_GRAVITY_ERROR,
+            )
+            .and(Check::Tilt, down.z >= sin_cos(ARMING_TILT.to_radians()).1)
+            .and(Check::Setpoint, flies)
+            .and(Check::Thrust, goal || thrust <= ARMING_THRUST)
+            .and(
+                Check::MotorTest,
+                self.safety.state() != FlightState::Testing,
+            )
+            .and(Check::Models, self.reactive.are_models_sane())
+            .and(Check::Load, self.record.are_runs_in_time(now))
+    }
+
+    /// True where goals can be flown: places come.
+    fn flies_to_places(&self, now: Instant) -> bool {
+        self.graph.flies_to_goals() && self.demand.knows_place(now)
+    }
+
+    /// True where a demand of the pilot is flown: not while the drone comes down for another
+    /// reason than the pilot's silence. `first`: the pilot was silent before it.
+    pub(super) fn obeys(&mut self, at: Instant, first: bool) -> bool {
+        if first {
+            self.move_state(FlightEvent::PilotBack, at);
+        }
+        self.safety.state() != FlightState::Descending
+    }
+
+    // States.
+
+    /// Moves the state of the flight; false where that is refused.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn move_state(&mut self, event: FlightEvent, now: Instant) -> bool {
+        match self.safety.on_event(event, now) {
+            Ok(Some(state)) => {
+                self.record.event(Event::Flight(state, event));
+                self.record.notice(notice::flight(state, event));
+                self.begin(state, now);
+            }
+            Ok(None) => {}
+            Err(_) => {
+                self.record.event(Event::NotDisarmed);
+                self.record.notice(notice::NOT_DISARMED);
+                return false;
+            }
+        }
+        true
+    }
+
+    /// What a new state brings with it.
+    fn begin(&mut self, state: FlightState, now: Instant) {
+        match state {
+            FlightState::Calibrating => {
+                self.sensing.forget_calibration();
+                self.stand(now);
+            }
+            FlightState::Disarmed => self.stand(now),
+            FlightState::Armed => self.move_phase(PhaseEvent::Armed),
+            FlightState::Descending => self.descend(now),
+            FlightState::Testing
+            | FlightState::Flying
+            | FlightState::Waiting
+            | FlightState::Blind => {}
+        }
+    }
+
+    /// The next flight shall not begin with the thrust that this one ended with.
+    fn stand(&mut self, now: Instant) {
+        self.fly(now, Aim::Setpoint(Setpoint::default()));
+        self.demand.forget();
+        self.move_phase(PhaseEvent::Disarmed);
+    }
+
+    // What ends a flight.
+
+    /// Looks for a take-off, a landing, an upset, and for the end of a state's time.
+    pub(super) fn watch_flight(&mut self, now: Instant) {
+        let setpoint = self.graph.flown();
+        let seen = Seen {
+            at: now,
+            thrust: self.graph.collective(),
+            rates: self.sensing.motion().rotation.rates.0,
+            force: self.sensing.force().0,
+            down: self.graph.estimate().down_in_body(),
+            asked_down: match self.graph.flown_to() {
+                None => setpoint.attitude.map(|attitude| attitude.down_in_body()),
+                // Position loops lean as they need.
+                Some(_) => None,
+            },
+            sees_place: self.graph.flown_to().is_some(),
+        };
+        if let Some(event) = self.safety.watch(&seen) {
+            self.move_state(event, now);
+        }
+    }
+
+    /// What the drone is flown by may have fallen silent.
+    pub(super) fn check_demand(&mut self, now: Instant) {
+        let Some(silence) = self.demand.notice_silence(now, &self.graph) else {
+            // The gyroscope may be back after the pilot fell silent.
+            if self.safety.state() == FlightState::Flying && self.demand.is_silent() {
+                self.move_state(FlightEvent::PilotSilent, now);
+            }
+            return;
+        };
+        self.record.event(Event::Silent(silence));
+        self.record.notice(notice::silent(silence));
+        self.move_state(FlightEvent::PilotSilent, now);
+        let held = self.graph.flown_to().filter(|_| silence == Silence::Goal);
+        match (self.safety.state(), held) {
+            (FlightState::Descending, Some(_)) => {}
+            (FlightState::Descending, None) => self.descend(now),
+            (state, Some(goal)) if state.is_armed() => self.fly(now, stand_still(goal)),
+            (state, _) => {
+                let thrust = if state.is_armed() {
+                    self.safety.mean_thrust()
+                } else {
+                    Thrust::ZERO
+                };
+                self.fly(now, Aim::Setpoint(Setpoint::level(thrust)));
+            }
+        }
+    }
+
+    /// A descent begins: to below the last goal, or level with less thrust than was flown.
+    fn descend(&mut self, now: Instant) {
+        let aim = match self.graph.flown_to() {
+            Some(goal) if self.demand.knows_place(now) => Aim::Goal(self.demand.sink(now, goal)),
+            _ => Aim::Setpoint(Setpoint::level(self.safety.descent_thrust())),
+        };
+        self.fly(now, aim);
+    }
+
+    /// The goal of a descent goes on downwards.
+    pub(super) fn sink(&mut self, now: Instant) {
+        if self.safety.state() == FlightState::Descending && self.graph.flown_to().is_some() {
+            self.descend(now);
+        }
+    }
+}
+
+/// A goal that nobody moves any more stands still.
+fn stand_still(goal: Goal) -> Aim {
+    Aim::Goal(Goal {
+        velocity: Velocity::default(),
+        ..goal
+    })
+}

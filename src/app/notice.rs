@@ -1,0 +1,64 @@
+//! What the pilot is told: states, refusals, silences, with their reasons.
+
+use super::demand::Silence;
+use crate::link::{Notice, Severity};
+use crate::safety::{Check, FlightEvent, FlightState};
+
+/// The state of the flight changed, and why.
+pub(super) const fn flight(state: FlightState, event: FlightEvent) -> Notice {
+    use FlightEvent as On;
+    let severity = match (state, event) {
+        (FlightState::Descending | FlightState::Blind, _)
+        | (_, On::Upset | On::NotFinite | On::ImuLost | On::BatteryEmpty) => Severity::Critical,
+        (FlightState::Waiting, _) | (_, On::TimeUp) => Severity::Warning,
+        _ => Severity::Info,
+    };
+    Notice::new(severity, state.name(), event.name())
+}
+
+/// Motors were not armed: one of the checks that failed.
+pub(super) const fn not_armed(check: Check) -> Notice {
+    Notice::new(Severity::Warning, "not armed", check.text())
+}
+
+/// Motors were not disarmed.
+pub(super) const NOT_DISARMED: Notice = Notice::new(
+    Severity::Warning,
+    "not disarmed",
+    "in the air, needs force (21196)",
+);
+
+/// Something that the drone is flown by stopped.
+pub(super) const fn silent(silence: Silence) -> Notice {
+    let why = match silence {
+        Silence::Setpoint => "no setpoints",
+        Silence::Goal => "no goals, the last one is held",
+        Silence::Place => "no places, level instead of a goal",
+    };
+    Notice::new(Severity::Warning, "silent", why)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_notice_fits_into_one_message() {
+        let flights = FlightState::ALL.into_iter().flat_map(|state| {
+            let events = FlightEvent::ALL.into_iter();
+            events.map(move |event| flight(state, event))
+        });
+        let silences = [Silence::Setpoint, Silence::Goal, Silence::Place].map(silent);
+        let all = flights
+            .chain(Check::ALL.map(not_armed))
+            .chain(silences)
+            .chain([NOT_DISARMED]);
+        for notice in all {
+            let line: Vec<u8> = notice.line().collect();
+            assert!(
+                line.is_ascii() && line.len() <= Notice::LONGEST,
+                "{notice:?}"
+            );
+        }
+    }
+}

@@ -1,0 +1,402 @@
+//! From arming to the end of a flight: no thrust unasked, no flight without end.
+
+use super::*;
+use crate::config::{
+    ARMING_THRUST, BLIND_TIME, DESCENT_THRUST, DESCENT_TIME, LANDED_TIME, LONGEST_ON_GROUND,
+    MOTOR_TEST_SHARE, MOTOR_TEST_TIME, SETPOINT_TIMEOUT, UPSET_TIME, WAITING_TIME,
+};
+use crate::control::MotorTest;
+use crate::graph::OpenPilot;
+use crate::link::{Destination, ExternalPose};
+use crate::safety::{Check, FlightState};
+use crate::units::{Position, Velocity};
+
+const ARM: Message = Message::Arm(ArmCommand::ARM);
+const DISARM: Message = Message::Arm(ArmCommand::DISARM);
+
+fn milliseconds(span: crate::time::Duration) -> u64 {
+    span.ticks() / 1000
+}
+
+impl<L: ControlLogic> Rig<L> {
+    fn state(&self) -> FlightState {
+        self.autopilot.telemetry().state
+    }
+
+    /// What the pilot was told since the last look.
+    fn told_pilot(&mut self) -> Vec<String> {
+        let lines = core::iter::from_fn(|| {
+            let notice = self.autopilot.notice()?;
+            self.autopilot.on_told();
+            Some(String::from_utf8(notice.line().collect()).expect("ASCII"))
+        });
+        lines.collect()
+    }
+
+    fn shares(&self) -> MotorShares {
+        self.outputs.last().expect("runs").1
+    }
+
+    /// On the ground, calibrated.
+    fn standing(mut self) -> Self {
+        self.milliseconds(1_000, still);
+        self.told_pilot();
+        self
+    }
+}
+
+fn still(now: u64) -> Option<i16> {
+    Some((now / 1000 % 3) as i16)
+}
+
+/// What a body at rest shows that lies on its side.
+fn on_its_side() -> ImuReading {
+    ImuReading {
+        force: SpecificForce(Vec3::new(0.0, -GRAVITY, 0.0)),
+        ..turning(0)
+    }
+}
+
+#[test]
+fn a_thrust_that_was_sent_before_arming_never_reaches_a_motor() {
+    for age in [10, 500, 60_000] {
+        let mut rig = Rig::new(SETTINGS).standing();
+        rig.fly_at(0.7);
+        rig.milliseconds(age, still);
+        assert_eq!(
+            rig.tell(&ARM),
+            Some(Answer::TemporarilyRejected),
+            "{age} ms"
+        );
+        rig.milliseconds(500, still);
+        assert!(rig.outputs.iter().all(|(_, shares)| stopped(shares)));
+        let why = if age < 1_000 {
+            Check::Thrust
+        } else {
+            Check::Setpoint
+        };
+        let told = rig.told_pilot();
+        let line = format!("not armed: {}", why.text());
+        assert!(told.contains(&line), "{told:?}");
+    }
+}
+
+#[test]
+fn armed_at_no_thrust_the_drone_flies_what_comes_then() {
+    let mut rig = Rig::new(SETTINGS).standing();
+    rig.fly_at(ARMING_THRUST);
+    assert_eq!(rig.tell(&ARM), Some(Answer::Accepted));
+    rig.milliseconds(20, still);
+    assert!(
+        rig.shares().iter().all(|share| *share < 0.15),
+        "{:?}",
+        rig.shares()
+    );
+    assert_eq!(rig.state(), FlightState::Armed);
+    rig.fly_at(0.5);
+    rig.milliseconds(20, still);
+    assert_eq!(rig.state(), FlightState::Flying);
+    let told = rig.told_pilot();
+    assert_eq!(told, ["armed: armed by the pilot", "flying: took off"]);
+}
+
+#[test]
+fn each_check_refuses_to_arm_by_its_name() {
+    type Spoil = fn(&mut Rig);
+    let cases: [(Check, Spoil); 7] = [
+        (Check::Setpoint, |_| {}),
+        (Check::Thrust, |rig| rig.fly_at(0.3)),
+        (Check::Still, |rig| {
+            rig.fly_at(0.0);
+            rig.milliseconds(300, |_| Some(200));
+        }),
+        (Check::Gravity, |rig| {
+            rig.fly_at(0.0);
+            rig.readings(300, |_| ImuReading {
+                force: SpecificForce(Vec3::new(0.0, 0.0, -1.2 * GRAVITY)),
+                ..turning(0)
+            });
+        }),
+        (Check::Imu, |rig| {
+            rig.fly_at(0.0);
+            rig.milliseconds(300, |_| None);
+        }),
+        (Check::Configuration, |rig| {
+            rig.fly_at(0.0);
+            let now = at_micros(rig.now);
+            rig.autopilot.on_fault(now, Fault::ImuConfiguration);
+        }),
+        (Check::Load, |rig| {
+            rig.fly_at(0.0);
+            rig.autopilot.on_fault(at_micros(rig.now), Fault::LateRun);
+        }),
+    ];
+    for (check, spoil) in cases {
+        let mut rig = Rig::new(SETTINGS).standing();
+        spoil(&mut rig);
+        assert_eq!(
+            rig.tell(&ARM),
+            Some(Answer::TemporarilyRejected),
+            "{check:?}"
+        );
+        let told = rig.told_pilot();
+        let line = format!("not armed: {}", check.text());
+        assert!(told.contains(&line), "{check:?}: {told:?}");
+        // What was wrong is over: it arms.
+        rig.milliseconds(3_000, still);
+        rig.fly_at(0.0);
+        assert_eq!(
+            rig.tell(&ARM),
+            Some(Answer::Accepted),
+            "{check:?} {:?}",
+            rig.told_pilot()
+        );
+    }
+}
+
+#[test]
+fn a_tilted_drone_is_not_armed() {
+    let mut rig = Rig::new(SETTINGS);
+    rig.readings(1_500, |_| on_its_side());
+    rig.fly_at(0.0);
+    assert_eq!(rig.tell(&ARM), Some(Answer::TemporarilyRejected));
+    let tilted = format!("not armed: {}", Check::Tilt.text());
+    assert!(rig.told_pilot().contains(&tilted));
+}
+
+#[test]
+fn two_minutes_without_a_message_end_level_then_descending_then_cut() {
+    let mut rig = Rig::armed(SETTINGS);
+    rig.flown(5_000, gusty);
+    rig.fly_at(0.8);
+    let silent = milliseconds(SETPOINT_TIMEOUT);
+    let wait = milliseconds(WAITING_TIME);
+    rig.milliseconds(silent + 150, gusty);
+    assert_eq!(rig.state(), FlightState::Waiting);
+    let flown = rig.autopilot.graph.flown().thrust.share();
+    assert!(
+        (0.5..0.6).contains(&flown),
+        "level at the mean flown, not at 0.8: {flown}"
+    );
+    rig.milliseconds(wait, gusty);
+    assert_eq!(rig.state(), FlightState::Descending);
+    let sinking = rig.autopilot.graph.flown().thrust.share();
+    assert!((sinking - flown * DESCENT_THRUST).abs() < 1e-3, "{sinking}");
+    rig.milliseconds(milliseconds(DESCENT_TIME), gusty);
+    assert_eq!(rig.state(), FlightState::Disarmed);
+    assert!(stopped(&rig.shares()));
+    let told = rig.told_pilot();
+    for line in [
+        "silent: no setpoints",
+        "waiting for the pilot: pilot silent",
+        "descending: time is up",
+        "disarmed: time is up",
+    ] {
+        assert!(told.iter().any(|told| told == line), "{line}: {told:?}");
+    }
+    rig.milliseconds(90_000, gusty);
+    assert!(stopped(&rig.shares()));
+}
+
+#[test]
+fn a_pilot_who_comes_back_flies_on() {
+    for silence in [SETPOINT_TIMEOUT, SETPOINT_TIMEOUT + WAITING_TIME] {
+        let mut rig = Rig::armed(SETTINGS);
+        rig.flown(1_000, gusty);
+        rig.milliseconds(milliseconds(silence) + 300, gusty);
+        assert!(!matches!(
+            rig.state(),
+            FlightState::Flying | FlightState::Disarmed
+        ));
+        rig.fly_at(0.6);
+        assert_eq!(rig.state(), FlightState::Flying);
+        assert!((rig.autopilot.graph.flown().thrust.share() - 0.6).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn without_a_gyroscope_in_the_air_the_motors_are_cut_after_a_short_time() {
+    for policy in [Policy::Reactive, Policy::Periodic] {
+        let settings = Settings {
+            policy,
+            ..short_warm_up()
+        };
+        let mut rig = Rig::armed(settings);
+        rig.flown(6_000, gusty);
+        rig.fly_at(0.71);
+        rig.milliseconds(20, gusty);
+        rig.milliseconds(2 * milliseconds(SETTINGS.failsafe) + 110, |_| None);
+        assert_eq!(rig.state(), FlightState::Blind, "{policy:?}");
+        rig.fly_at(0.71);
+        rig.milliseconds(milliseconds(BLIND_TIME) + 100, |_| None);
+        assert!(!rig.state().is_armed(), "{policy:?}");
+        assert!(stopped(&rig.shares()));
+        rig.flown(60_000, |_| None);
+        assert!(stopped(&rig.shares()));
+    }
+}
+
+#[test]
+fn a_gyroscope_that_comes_back_in_time_flies_on() {
+    let mut rig = Rig::armed(short_warm_up());
+    rig.flown(6_000, gusty);
+    rig.milliseconds(2 * milliseconds(SETTINGS.failsafe) + 200, |_| None);
+    assert_eq!(rig.state(), FlightState::Blind);
+    rig.milliseconds(10, gusty);
+    assert_eq!(rig.state(), FlightState::Flying);
+}
+
+#[test]
+fn a_pilot_who_fell_silent_meanwhile_is_missed_when_the_gyroscope_is_back() {
+    let mut rig = Rig::armed(short_warm_up());
+    rig.flown(6_000, gusty);
+    rig.milliseconds(milliseconds(SETPOINT_TIMEOUT) - 100, gusty);
+    rig.milliseconds(450, |_| None);
+    rig.milliseconds(200, gusty);
+    assert_eq!(rig.state(), FlightState::Waiting);
+}
+
+#[test]
+fn a_motor_test_turns_one_motor_of_a_disarmed_drone_for_its_time() {
+    let test = |motor, share, ms: u64| {
+        Message::TestMotor(MotorTest {
+            motor,
+            share,
+            length: micros(ms * 1_000),
+        })
+    };
+    let mut rig = Rig::new(SETTINGS).standing();
+    assert_eq!(rig.tell(&test(1, 0.1, 500)), Some(Answer::Accepted));
+    rig.milliseconds(20, still);
+    assert_eq!(rig.shares().to_vec(), [0.0, 0.1, 0.0, 0.0]);
+    // The next takes its place; more than is configured is not given.
+    assert_eq!(rig.tell(&test(2, 0.9, 60_000)), Some(Answer::Accepted));
+    rig.milliseconds(20, still);
+    assert_eq!(rig.shares().to_vec(), [0.0, 0.0, MOTOR_TEST_SHARE, 0.0]);
+    rig.fly_at(0.0);
+    assert_eq!(rig.tell(&ARM), Some(Answer::TemporarilyRejected));
+    rig.milliseconds(milliseconds(MOTOR_TEST_TIME), still);
+    assert!(stopped(&rig.shares()));
+    assert_eq!(rig.state(), FlightState::Disarmed);
+    assert_eq!(rig.tell(&test(4, 0.1, 500)), Some(Answer::Denied));
+    rig.fly_at(0.0);
+    assert_eq!(rig.tell(&ARM), Some(Answer::Accepted));
+    assert_eq!(
+        rig.tell(&test(1, 0.1, 500)),
+        Some(Answer::TemporarilyRejected)
+    );
+}
+
+#[test]
+fn in_the_air_a_disarm_needs_force() {
+    let mut rig = Rig::armed(SETTINGS);
+    rig.flown(1_000, gusty);
+    assert_eq!(rig.tell(&DISARM), Some(Answer::TemporarilyRejected));
+    rig.milliseconds(10, gusty);
+    assert!(rig.shares().iter().all(|share| *share > 0.3));
+    let told = rig.told_pilot();
+    assert!(told.iter().any(|line| line.contains("21196")), "{told:?}");
+    let forced = Message::Arm(ArmCommand::FORCED_DISARM);
+    assert_eq!(rig.tell(&forced), Some(Answer::Accepted));
+    rig.milliseconds(10, gusty);
+    assert!(stopped(&rig.shares()));
+}
+
+#[test]
+fn after_a_landing_a_disarm_needs_no_force_and_motors_that_nobody_uses_stop() {
+    let mut rig = Rig::armed(SETTINGS);
+    rig.flown(2_000, still);
+    let stand = |rig: &mut Rig, ms: u64| {
+        for _ in 0..ms / 500 {
+            rig.fly_at(0.05);
+            rig.milliseconds(500, still);
+        }
+    };
+    stand(&mut rig, milliseconds(LANDED_TIME) + 500);
+    assert_eq!(rig.state(), FlightState::Armed);
+    let mut disarmed = Rig::armed(SETTINGS);
+    disarmed.flown(2_000, still);
+    stand(&mut disarmed, milliseconds(LANDED_TIME) + 500);
+    assert_eq!(disarmed.tell(&DISARM), Some(Answer::Accepted));
+    stand(&mut rig, milliseconds(LONGEST_ON_GROUND) + 500);
+    assert_eq!(rig.state(), FlightState::Disarmed);
+}
+
+#[test]
+fn on_the_ground_a_silent_pilot_stops_the_motors() {
+    let mut rig = Rig::new(SETTINGS).standing();
+    rig.fly_at(0.0);
+    assert_eq!(rig.tell(&ARM), Some(Answer::Accepted));
+    rig.milliseconds(milliseconds(SETPOINT_TIMEOUT) + 150, still);
+    assert_eq!(rig.state(), FlightState::Disarmed);
+    assert!(stopped(&rig.shares()));
+}
+
+#[test]
+fn a_drone_that_lies_over_is_disarmed() {
+    let mut rig = Rig::armed(SETTINGS);
+    rig.flown(1_000, gusty);
+    // Turned over by half a turn in half a second.
+    rig.readings(500, |_| ImuReading {
+        rates: BodyRates(Vec3::new(core::f32::consts::TAU, 0.0, 0.0)),
+        ..turning(0)
+    });
+    let upside_down = ImuReading {
+        force: SpecificForce(Vec3::new(0.0, 0.0, GRAVITY)),
+        ..turning(0)
+    };
+    let mut noisy = 0.0;
+    rig.readings(milliseconds(UPSET_TIME) + 200, |now| {
+        noisy = (now / 1000 % 3) as f32 * 0.01;
+        ImuReading {
+            temperature: noisy,
+            ..upside_down
+        }
+    });
+    assert_eq!(rig.state(), FlightState::Disarmed);
+    let told = rig.told_pilot();
+    assert!(
+        told.contains(&"disarmed: lies over, or astray".to_owned()),
+        "{told:?}"
+    );
+}
+
+#[test]
+fn a_silent_pilot_of_goals_leaves_a_goal_that_is_held_then_sinks() {
+    let mut rig = Rig::with_logic(SETTINGS, OpenPilot::default()).readied();
+    let place = Message::Pose(ExternalPose {
+        position: Position(Vec3::new(0.0, 0.0, -10.0)),
+        velocity: Velocity::default(),
+        attitude: None,
+    });
+    let goal = Message::Goal(Destination {
+        position: Position(Vec3::new(0.0, 0.0, -10.0)),
+        velocity: Velocity::default(),
+        heading: None,
+    });
+    rig.tell(&place);
+    rig.tell(&goal);
+    let seen = |rig: &mut Rig<OpenPilot>, ms: u64| {
+        for _ in 0..ms / 50 {
+            rig.tell(&place);
+            rig.milliseconds(50, gusty);
+        }
+        rig.autopilot.graph.flown_to().map(|goal| goal.position.0.z)
+    };
+    assert_eq!(
+        seen(&mut rig, milliseconds(SETPOINT_TIMEOUT) + 500),
+        Some(-10.0)
+    );
+    assert_eq!(rig.state(), FlightState::Waiting);
+    seen(&mut rig, milliseconds(WAITING_TIME));
+    assert_eq!(rig.state(), FlightState::Descending);
+    let begun = rig.autopilot.graph.flown_to().expect("a goal").position.0.z;
+    let sunk = seen(&mut rig, 3_000).expect("a goal") - begun;
+    assert!((sunk - 3.0).abs() < 0.2, "{sunk} m in 3 s");
+    // Places stop: the descent goes on without.
+    rig.milliseconds(milliseconds(SETPOINT_TIMEOUT) + 200, gusty);
+    assert_eq!(rig.autopilot.graph.flown_to(), None);
+    assert_eq!(rig.state(), FlightState::Descending);
+    rig.milliseconds(milliseconds(DESCENT_TIME), gusty);
+    assert_eq!(rig.state(), FlightState::Disarmed);
+}
