@@ -25,6 +25,8 @@ mod reset;
 mod settings_block;
 mod watchdog;
 
+use reflex::app::Event;
+
 #[cfg(board = "reflex_f427")]
 mod reflex_f427;
 #[cfg(board = "reflex_f427")]
@@ -35,12 +37,18 @@ pub use reflex_f427::{
 };
 
 pub use clock::{now, sleep, sleep_until};
+pub use reflex::reset::Sign;
 pub use watchdog::{SIGNS, Watchdog};
 
-/// Writes an event to the log: a run only where details are asked for.
-pub fn log(event: &reflex::app::Event) {
-    match event {
-        reflex::app::Event::Ran { .. } => defmt::debug!("{}", event),
-        _ => defmt::info!("{}", event),
+/// Events that are logged before idle looks for other work again.
+const MOST_EVENTS: usize = 8;
+
+/// Writes events to the log: runs only where details are asked for.
+pub fn log(mut next: impl FnMut() -> Option<Event>) {
+    for event in (0..MOST_EVENTS).map_while(|_| next()) {
+        match event {
+            Event::Ran { .. } => defmt::debug!("{}", event),
+            _ => defmt::info!("{}", event),
+        }
     }
 }

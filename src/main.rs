@@ -39,26 +39,22 @@ fn main() {
 #[cfg(target_os = "none")]
 #[rtic::app(device = stm32f4xx_hal::pac, dispatchers = [CAN1_TX, CAN1_RX0, CAN1_RX1])]
 mod app {
+    use crate::board::guarded::{Guarded, Piloted};
+    use crate::board::{
+        self, ChipLine, Chips, Engine, Gauge, ImuLine, Link, Motors, SIGNS, Sign, Started,
+        Watchdog, calls, now, sleep, sleep_until,
+    };
     use cortex_m::singleton;
     use defmt_rtt as _;
     use reflex::app::{Autopilot, CallRing};
-    use reflex::reset::Sign;
     use reflex::tasks::chips::{self as owner, Fetches};
     use reflex::tasks::{Board, Task, control, imu, link};
     use reflex::time::Instant;
     use rtic::Mutex;
     use stm32f4xx_hal::pac::Interrupt;
 
-    use crate::board::guarded::{Guarded, Piloted};
-    use crate::board::{
-        self, ChipLine, Chips, Engine, Gauge, ImuLine, Link, Motors, SIGNS, Started, Watchdog,
-        calls, now, sleep, sleep_until,
-    };
-
     const HYPERPERIOD: Interrupt = Interrupt::CAN2_TX;
     const CHIPS: Interrupt = Interrupt::CAN2_RX0;
-    /// Events that idle logs before it looks for a refit again.
-    const MOST_EVENTS: usize = 8;
 
     /// The autopilot with its call log.
     pub type Pilot = Autopilot<&'static mut CallRing>;
@@ -291,10 +287,7 @@ mod app {
                 }
                 autopilot.lock(|pilot| pilot.on_sounded(now()));
             }
-            let mut next = |_| autopilot.lock(|pilot| pilot.next_event());
-            for event in (0..MOST_EVENTS).map_while(&mut next) {
-                board::log(&event);
-            }
+            board::log(|| autopilot.lock(|pilot| pilot.next_event()));
         }
     }
 }
