@@ -91,13 +91,10 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     device.DBGMCU.cr().modify(|_, w| w.dbg_sleep().set_bit());
     let mut watchdog = Watchdog::start(device.IWDG, &device.DBGMCU);
     let reset = reset::take(&device.RCC, &device.FLASH);
-    let mut rcc = clock::start(device.RCC, CRYSTAL_HZ.Hz());
-    let rcc = &mut rcc;
+    let rcc = &mut clock::start(device.RCC, CRYSTAL_HZ.Hz());
     // The clock runs: from here on the log has time stamps.
     reset::tell(&reset);
-    if !watchdog::is_ready_for_a_halt(&device.DBGMCU) {
-        defmt::error!("a debugger's halt would leave the motors turning");
-    }
+    watchdog::warn_of_halts(&device.DBGMCU);
     let start = settings_block::read();
     let mixer = Mixer::new(&start.airframe);
     let (a, b) = (device.GPIOA.split(rcc), device.GPIOB.split(rcc));

@@ -84,9 +84,12 @@ impl Watchdog {
     }
 }
 
-/// Whether a debugger's halt does what it should, read back: only hardware shows it.
-pub fn is_ready_for_a_halt(debug: &pac::DBGMCU) -> bool {
+/// Says in the log where a debugger's halt would not do what it should, by the bits that are read
+/// back: their effect only hardware shows.
+pub fn warn_of_halts(debug: &pac::DBGMCU) {
     let frozen = debug.apb1_fz().read();
     let motors = frozen.dbg_tim3_stop().bit() && frozen.dbg_tim4_stop().bit();
-    motors && frozen.dbg_iwdg_stop().bit_is_clear()
+    if !motors || frozen.dbg_iwdg_stop().bit() {
+        defmt::error!("a debugger's halt would leave the motors turning");
+    }
 }

@@ -63,10 +63,36 @@ struct Program {
     names: BTreeMap<String, u32>,
 }
 
+fn address(symbol: &object::Symbol) -> u32 {
+    symbol.address() as u32 & !1
+}
+
+/// Where the compiler says that constants (true), and then again instructions begin.
+fn marks(file: &object::File) -> BTreeMap<u32, bool> {
+    let marks = file
+        .symbols()
+        .filter_map(|it| match it.name().ok()?.get(..2)? {
+            "$d" => Some((address(&it), true)),
+            "$t" => Some((address(&it), false)),
+            _ => None,
+        });
+    marks.collect()
+}
+
+/// The instructions of a function, in halves of words.
+fn code(file: &object::File, start: u32, size: u32) -> Vec<u16> {
+    let mut data =
+        (file.sections()).filter_map(|it| it.data_range(start.into(), size.into()).ok().flatten());
+    let halves = data.next().unwrap_or_default().as_chunks().0;
+    halves
+        .iter()
+        .map(|half| u16::from_le_bytes(*half))
+        .collect()
+}
+
 impl Program {
     fn read(bytes: &[u8]) -> Self {
         let file = object::File::parse(bytes).unwrap();
-        let address = |symbol: &object::Symbol| symbol.address() as u32 & !1;
         let text = || file.symbols().filter(|it| it.kind() == SymbolKind::Text);
         let names = text().map(|it| (it.name().unwrap().to_owned(), address(&it)));
         let names = names.collect();
@@ -79,39 +105,14 @@ impl Program {
                 )
             })
             .collect();
-        // Where the compiler says that constants, and then again instructions begin.
-        let marks: BTreeMap<u32, bool> = file
-            .symbols()
-            .filter_map(|it| {
-                Some((address(&it), it.name().ok()?.get(..2)? == "$d")).filter(|_| {
-                    it.name()
-                        .is_ok_and(|name| name.starts_with("$d") || name.starts_with("$t"))
-                })
-            })
-            .collect();
-        let is_data = |at: u32| {
-            marks
-                .range(..=at)
-                .next_back()
-                .is_some_and(|(_, data)| *data)
-        };
-        let code = |start: u32, size: u32| {
-            let mut data = file
-                .sections()
-                .filter_map(|it| it.data_range(start.into(), size.into()).ok().flatten());
-            let data = data.next().unwrap_or_default();
-            data.as_chunks()
-                .0
-                .iter()
-                .map(|half| u16::from_le_bytes(*half))
-                .collect::<Vec<_>>()
-        };
+        let marks = marks(&file);
+        let is_data = |at: u32| (marks.range(..=at).next_back()).is_some_and(|(_, data)| *data);
         let functions = sizes.iter().map(|(start, (size, name))| {
             let mut function = Function {
                 name: name.clone(),
                 ..Function::default()
             };
-            for (at, step) in steps(*start, &code(*start, *size)) {
+            for (at, step) in steps(*start, &code(&file, *start, *size)) {
                 match step {
                     _ if is_data(at) => {}
                     Step::Lowers(bytes) => function.frame += bytes,
