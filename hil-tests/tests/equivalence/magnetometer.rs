@@ -220,10 +220,12 @@ fn a_change_of_the_threshold_itself_asks_for_nothing_and_one_count_more_does() {
 
 #[test]
 fn as_the_firmware_sets_it_up_the_chip_shows_none_of_its_own_offset() {
-    let nothing = |_| Stimulus {
-        temperature_c: 70.0,
-        ..Stimulus::default()
-    };
+    fn nothing(_: u64) -> Stimulus {
+        Stimulus {
+            temperature_c: 70.0,
+            ..Stimulus::default()
+        }
+    }
     let shown = |set_up: fn(&mut Magnetometer)| {
         let mut chip = Magnetometer::new(Arc::new(nothing), real(2));
         set_up(&mut chip);
