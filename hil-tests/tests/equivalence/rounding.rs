@@ -145,20 +145,24 @@ impl Flight {
             chips: Drivers::new(ports, &settings),
         };
         flight.milliseconds(600, |_| 0);
-        let hover = Thrust::new(0.5).expect("in range");
-        for message in [
-            Message::Setpoint(Setpoint::level(hover)),
-            Message::Arm(ArmCommand::ARM),
-        ] {
-            let _ = flight.autopilot.on_message(at_micros(flight.now), &message);
-        }
+        flight.tell(&Message::Setpoint(Setpoint::default()));
+        flight.tell(&Message::Arm(ArmCommand::ARM));
         flight.milliseconds(8000, gusty);
         assert_eq!(flight.autopilot.telemetry().phase, Phase::Reactive);
         flight
     }
 
+    fn tell(&mut self, message: &Message) {
+        let _ = self.autopilot.on_message(at_micros(self.now), message);
+    }
+
+    /// Time passes; once armed, a pilot holds it in the air.
     fn milliseconds(&mut self, count: u64, rate: impl Fn(u64) -> i16) {
-        for _ in 0..count {
+        let hover = Setpoint::level(Thrust::new(0.5).expect("in range"));
+        for step in 0..count {
+            if step % 500 == 0 && self.autopilot.telemetry().state.is_armed() {
+                self.tell(&Message::Setpoint(hover));
+            }
             self.now += 1000;
             let now = at_micros(self.now);
             if self.autopilot.deadline() <= now {
