@@ -83,7 +83,7 @@ fn stub(
 
 /// A function that panics at the place that it is given.
 fn panics(elf: &Elf) -> u32 {
-    elf.function(&["panic_const", "panic_const_add_overflow"])
+    elf.function(&["panic_const", "panic_const_async_fn_resumed"])
         .unwrap()
         | 1
 }
