@@ -4,10 +4,13 @@
 //! missing, again and again. Either is over once samples come as they should.
 
 use crate::config::HYPERPERIOD;
+use crate::math::max;
 use crate::time::{Duration, Instant, at_micros, micros, seconds, span};
 
 /// How long the gating sensor may take to deliver its first sample.
 const WAKING: Duration = micros(1_000_000);
+/// Two of the samples that are due, in s.
+const TWO_PERIODS_S: f32 = HYPERPERIOD.ticks() as f32 * 2e-6;
 /// Samples in a row that came in time: the flow is back.
 const STEADY: u8 = 8;
 
@@ -57,7 +60,7 @@ impl Flow {
             0
         };
         let dt = seconds(since);
-        self.owed = (self.owed + dt - seconds(HYPERPERIOD * 2)).max(0.0);
+        self.owed = max(self.owed + dt - TWO_PERIODS_S, 0.0);
         let mut starved = false;
         if self.stopped {
             self.stopped = self.steady < STEADY;
