@@ -53,13 +53,23 @@ impl Flow {
                 starved: false,
             };
         };
+        let dt = seconds(since);
+        if since <= HYPERPERIOD * 2 && self.owed == 0.0 && self.steady >= STEADY {
+            self.stopped = false;
+            return Heard { dt, starved: false };
+        }
+        self.weigh(since, dt, patience)
+    }
+
+    /// What becomes of a sample that came late, or behind one that did.
+    #[inline(never)]
+    fn weigh(&mut self, since: Duration, dt: f32, patience: Duration) -> Heard {
         let in_time = since <= HYPERPERIOD * 3;
         self.steady = if in_time {
             self.steady.saturating_add(1)
         } else {
             0
         };
-        let dt = seconds(since);
         self.owed = max(self.owed + dt - TWO_PERIODS_S, 0.0);
         let mut starved = false;
         if self.stopped {

@@ -4,7 +4,7 @@
 
 use crate::math::Vec3;
 
-/// Samples in a window.
+/// Samples in a window: a whole number of looks at the roughness.
 pub(super) const WINDOW: u8 = 16;
 /// One bit for each axis.
 const ALL: u8 = 0b111;
@@ -60,6 +60,11 @@ impl Repeats {
             *windows = windows.saturating_add(stood >> axis & 1);
         }
         stood != 0
+    }
+
+    /// Samples left of the window.
+    pub(super) fn left(&self) -> u8 {
+        self.left
     }
 
     /// Whole windows in a row in which an axis did not move.

@@ -31,8 +31,10 @@ const DROPPED: u16 = 10;
 const MANY: u16 = 500;
 /// It jumps no more below this: a tenth of a second behind the last jump.
 const FEW: u16 = 400;
-/// Samples over which second differences are averaged.
-const ROUGHNESS: f32 = 64.0;
+/// One second difference is taken of so many samples.
+const LOOK: u8 = 4;
+/// Second differences that are averaged: those of 64 samples.
+const ROUGHNESS: f32 = 16.0;
 /// One second difference counts this many times the limit at most: a spike is no garbage.
 const ROUGHEST: f32 = 4.0;
 /// Behind a gap that is longer, in s, any step may be motion.
@@ -80,7 +82,7 @@ pub(super) struct Judged {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Signal {
     raw: Vec3,
-    /// What it moved by.
+    /// What it moved by, ahead of a look.
     moved: Vec3,
     believed: Vec3,
     repeats: Repeats,
@@ -90,6 +92,8 @@ pub(super) struct Signal {
     /// Mean second difference.
     rough: f32,
     condition: Condition,
+    /// Nothing was wrong for a while: most samples need no weighing.
+    calm: bool,
 }
 
 impl Judged {
@@ -114,14 +118,15 @@ impl Signal {
     pub(super) fn take(&mut self, value: Vec3, dt: f32, range: &Range) -> Judged {
         let moved = value - self.raw;
         let repeats = self.repeats.take(moved);
-        let turned = min((moved - self.moved).max_norm(), ROUGHEST * range.rough);
-        self.rough += (turned - self.rough) * (1.0 / ROUGHNESS);
-        self.moved = moved;
         self.raw = value;
-        let calm = self.held == 0.0 && self.dropped == 0 && self.condition == Condition::Alive;
+        match self.repeats.left() % LOOK {
+            1 => self.moved = moved,
+            0 => self.roughen(moved, range),
+            _ => {}
+        }
         // What is no number is within nothing.
         let small = moved.max_norm() <= range.step && moved.x + moved.y + moved.z < f32::INFINITY;
-        if calm && small && !repeats && self.rough <= range.rough {
+        if self.calm && small && !repeats {
             self.believed = value;
             return Judged {
                 value,
@@ -129,7 +134,19 @@ impl Signal {
                 spike: false,
             };
         }
-        self.weigh(value, dt, range)
+        let judged = self.weigh(value, dt, range);
+        self.calm = self.held == 0.0
+            && self.dropped == 0
+            && self.condition == Condition::Alive
+            && self.rough <= range.rough;
+        judged
+    }
+
+    /// Takes the second difference of neighbours.
+    fn roughen(&mut self, moved: Vec3, range: &Range) {
+        let turned = min((moved - self.moved).max_norm(), ROUGHEST * range.rough);
+        self.rough += (turned - self.rough) * (1.0 / ROUGHNESS);
+        self.calm &= self.rough <= range.rough;
     }
 
     /// What becomes of a sample that is not like most.
