@@ -177,9 +177,15 @@ impl Flight {
         }
     }
 
-    /// A sample of a drone at rest that turns about roll, in counts.
+    /// A sample of a drone at rest that turns about roll, in counts, with a sensor's noise.
     fn turn(&mut self, rate: i16) -> Next {
-        let reading = Sensor::reading(&burst(rate)).expect("data ready");
+        let mut reading = Sensor::reading(&burst(rate)).expect("data ready");
+        let noise = |axis: u64| {
+            let mixed = (self.now / 1000 * 3 + axis).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            (mixed >> 60) as f32 * 1e-3
+        };
+        reading.rates.0 += Vec3::new(noise(0), noise(1), noise(2));
+        reading.force.0 += Vec3::new(noise(3), noise(4), noise(5));
         self.autopilot.on_imu(at_micros(self.now), &reading)
     }
 
