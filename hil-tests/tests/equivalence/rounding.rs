@@ -158,23 +158,26 @@ impl Flight {
 
     /// Time passes; once armed, a pilot holds it in the air.
     fn milliseconds(&mut self, count: u64, rate: impl Fn(u64) -> i16) {
-        let hover = Setpoint::level(Thrust::new(0.5).expect("in range"));
-        for step in 0..count {
-            if step % 500 == 0 && self.autopilot.telemetry().state.is_armed() {
-                self.tell(&Message::Setpoint(hover));
-            }
-            self.now += 1000;
+        for _ in 0..count {
+            self.millisecond(rate(self.now + 1000));
             let now = at_micros(self.now);
-            if self.autopilot.deadline() <= now {
-                let _ = self.autopilot.on_timer(now);
-            }
-            if self.turn(rate(self.now)) == Next::Hyperperiod {
-                let _ = self.autopilot.on_hyperperiod(now);
-            }
             while let Some(job) = self.autopilot.refit_due(now) {
                 self.autopilot.on_refit(now, job.fit());
             }
         }
+    }
+
+    /// A millisecond passes; true where control ran.
+    fn millisecond(&mut self, rate: i16) -> bool {
+        self.now += 1000;
+        let now = at_micros(self.now);
+        if self.now.is_multiple_of(500_000) && self.autopilot.telemetry().state.is_armed() {
+            let hover = Setpoint::level(Thrust::new(0.5).expect("in range"));
+            self.tell(&Message::Setpoint(hover));
+        }
+        let failsafe = self.autopilot.deadline() <= now && self.autopilot.on_timer(now).is_some();
+        let ended = self.turn(rate) == Next::Hyperperiod;
+        ended && self.autopilot.on_hyperperiod(now).is_some() || failsafe
     }
 
     /// A sample of a drone at rest that turns about roll, in counts, with a sensor's noise.
@@ -212,10 +215,8 @@ impl Flight {
         self.autopilot
             .on_refit(at_micros(self.now), Refit { input, fit });
         // What a refit means is judged with the next run.
-        self.now = self.autopilot.deadline().ticks();
+        while !self.millisecond(gusty(self.now)) {}
         let now = at_micros(self.now);
-        let _ = self.turn(gusty(self.now));
-        let _ = self.autopilot.on_timer(now);
         let mut programs = None;
         while let Some(order) = self.autopilot.next_order() {
             let obeyed = self.chips.execute(order).expect("the bus works");
