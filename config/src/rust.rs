@@ -137,7 +137,7 @@ fn one(setting: &'static Setting, value: Value) -> Constant {
 fn doc(setting: &'static Setting) -> String {
     let meaning = setting.meaning.trim_end_matches('.');
     let order = match setting.kind {
-        Kind::Axes(_) => "; roll, pitch, yaw",
+        Kind::Axes(_) => "; one for each axis",
         Kind::Word(_) | Kind::Flag | Kind::Inputs => return format!("{meaning}."),
         _ => "",
     };

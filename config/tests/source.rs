@@ -39,7 +39,7 @@ fn every_logic_is_a_module_and_listed_by_its_name() {
         "\npub mod cascade {\n",
         "pub const GAINS: Gains = Gains::from_words(&[0.4, 0.1, 6.0, 6.0, 3.0, ",
         "[\"cascade.attitude.p\", \"[6.0, 6.0, 3.0]\", \
-         \"Body rate asked for per radian of error, in 1/s, 0 to 30; roll, pitch, yaw.\"]",
+         \"Body rate asked for per radian of error, in 1/s, 0 to 30; one for each axis.\"]",
         "[\"cascade.rate.d_cutoff_hz\", \"20.0\", ",
         "pub const LOGIC: &str = \"cascade\";",
     ] {

@@ -1,7 +1,7 @@
 //! LSM303AGR: threshold interrupts of both halves, with read-back.
 //!
 //! The crate `lsm303agr` sets rates, modes and full scale; it never sets the bit that lets the
-//! accelerometer answer on SPI, has no threshold, high-pass, latch or offset call, and hides its
+//! accelerometer answer on SPI, nor the magnetometer's temperature compensation, has no threshold, high-pass, latch or offset call, and hides its
 //! registers. Use both in this order:
 //!
 //! 1. [`ThreeWire::enable`] around the accelerometer's `SpiDevice`,

@@ -63,6 +63,32 @@ fn interrupt_keeps_the_bits_that_the_crate_set() {
 }
 
 #[test]
+fn the_chip_is_told_to_correct_its_errors_and_asked_whether_it_does() {
+    let frames = [
+        reads(0xE0, &[0x0C]),
+        checked(0x60, 0x8C),
+        reads(0xE1, &[0x08]),
+        checked(0x61, 0x0A),
+        reads(0xE0, &[0x8C]),
+        reads(0xE1, &[0x0A]),
+        reads(0xE0, &[0x8C]),
+        reads(0xE1, &[0x08]),
+    ];
+    on_bus(&frames, |bus| {
+        let mut chip = Magnetometer::new(bus);
+        chip.compensate().unwrap();
+        chip.verify_compensation().unwrap();
+        let forgotten = Error::ReadBack {
+            chip: CHIP,
+            register: 0x61,
+            wrote: 0x0A,
+            read: 0x08,
+        };
+        assert_eq!(chip.verify_compensation(), Err(forgotten));
+    });
+}
+
+#[test]
 fn verifying_reads_only_and_ignores_the_bits_of_others() {
     let frames = [
         reads(0xE5, &[0x23, 0x01]),

@@ -11,6 +11,7 @@ mod flight_numbers;
 mod fly;
 mod graph;
 mod logic_arguments;
+mod magnetometer;
 mod profile;
 mod quantities;
 mod recorded_arguments;
@@ -63,6 +64,8 @@ enum Command {
     Profile(profile::ProfileArguments),
     /// Draw a control logic as a graph, for Graphviz and as SVG
     Graph(graph::GraphArguments),
+    /// Find the hard and soft iron of a board in a log of its turning, for its file in config/boards/
+    Magnetometer(magnetometer::MagnetometerArguments),
     /// Run everything that continuous integration runs
     Test,
 }
@@ -88,6 +91,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Bench(arguments) => bench::run(arguments),
         Command::Profile(arguments) => profile::run(arguments),
         Command::Graph(arguments) => graph::run(arguments),
+        Command::Magnetometer(arguments) => magnetometer::run(arguments),
         Command::Test => test::run(),
     };
     match result {

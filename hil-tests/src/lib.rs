@@ -26,6 +26,7 @@ pub mod firmware;
 pub mod ground_station;
 mod json;
 pub mod logics;
+mod magnetometer;
 mod native;
 mod output_file;
 pub mod picture;

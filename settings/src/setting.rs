@@ -41,7 +41,7 @@ pub struct Setting {
 pub enum Kind {
     /// A number, stored as it is.
     Number(Range),
-    /// Three numbers, each in the range: roll, pitch, yaw.
+    /// Three numbers, each in the range, one for each axis.
     Axes(Range),
     /// A whole number.
     Count(Range),
@@ -71,7 +71,7 @@ pub enum Kind {
 pub enum Value {
     /// A number.
     Number(f64),
-    /// Three numbers: roll, pitch, yaw.
+    /// Three numbers, one for each axis.
     Axes([f64; 3]),
     /// The number of a word.
     Word(u32),

@@ -86,7 +86,7 @@ impl fmt::Display for Unreadable {
                 f.write_str("must be a finite number")?;
             }
             Kind::Count(_) => f.write_str("must be a whole number")?,
-            Kind::Axes(_) => f.write_str("must be three numbers: roll, pitch, yaw")?,
+            Kind::Axes(_) => f.write_str("must be three numbers, one for each axis")?,
             Kind::WordOrSpan(..) => f.write_str("must be a word or a finite number")?,
             Kind::Word(_) => return write!(f, "must be {}", setting.range()),
             Kind::Flag => return f.write_str("must be true or false"),

@@ -15,7 +15,7 @@ mod repeats;
 mod signal;
 
 use super::door::Fault;
-use crate::estimate::{Arrival, Calibrating, GyroCalibration, Motion, Vertical};
+use crate::estimate::{Arrival, Calibrating, GyroCalibration, Iron, Motion, Vertical};
 use crate::math::{Quaternion, Vec3};
 use crate::sensors::{GRAVITY, ImuReading, ImuSample};
 use crate::settings::Settings;
@@ -302,7 +302,8 @@ impl Sensing {
         }
     }
 
-    /// Takes the magnetic field (gauss, body axes), with the attitude of the last run.
+    /// Takes the magnetic field (gauss, body axes), with the attitude of the last run. The board's
+    /// iron is taken off here: thresholds are about changes, which hard iron leaves alone.
     ///
     /// Behind a gap, how far that attitude is to be turned: rates at its ends say less than the
     /// field, which in a steady fall through the air is the only one to see a tilt.
@@ -313,6 +314,7 @@ impl Sensing {
         attitude: Quaternion,
         tell: &mut impl FnMut(Fault),
     ) -> Option<Vec3> {
+        let field = Iron::OF_BOARD.removed(field);
         self.calibration.take_field(field);
         self.bias?;
         // While motion is lost the estimate stands still: the field would follow it astray.

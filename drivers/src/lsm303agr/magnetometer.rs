@@ -6,13 +6,15 @@ use super::{
     MAGNETOMETER_IDENTITY, MagCounts, MagInterrupt, MagOffset, MagPin, MagThreshold, Status,
     port::Port,
     register::{
-        CFG_REG_B_M, CFG_REG_C_M, INT_CTRL_REG_M, INT_SOURCE_REG_M, INT_THS_H_REG_M,
+        CFG_REG_A_M, CFG_REG_B_M, CFG_REG_C_M, INT_CTRL_REG_M, INT_SOURCE_REG_M, INT_THS_H_REG_M,
         INT_THS_L_REG_M, OFFSET_X_REG_L_M, OUTX_L_REG_M, STATUS_REG_M, WHO_AM_I_M,
     },
 };
 use crate::error::{Chip, Error, expect_identity, expect_register};
 
 const I2C_DISABLE: u8 = 0x20;
+/// COMP_TEMP_EN and OFF_CANC, of two registers.
+const COMPENSATION: [(u8, u8); 2] = [(CFG_REG_A_M, 0x80), (CFG_REG_B_M, 0x02)];
 
 /// The magnetometer on SPI.
 ///
@@ -48,6 +50,29 @@ impl<SPI: SpiDevice> Magnetometer<SPI> {
     pub fn disable_i2c(&mut self) -> Result<(), Error<SPI::Error>> {
         self.port
             .change_checked(CFG_REG_C_M, I2C_DISABLE, I2C_DISABLE)
+    }
+
+    /// Has the chip correct its own errors: its drift with temperature, and its offset by a pulse of
+    /// alternate sign before each measurement.
+    ///
+    /// # Errors
+    /// The bus's; `ReadBack` naming the register.
+    pub fn compensate(&mut self) -> Result<(), Error<SPI::Error>> {
+        for (register, bit) in COMPENSATION {
+            self.port.change_checked(register, bit, bit)?;
+        }
+        Ok(())
+    }
+
+    /// Checks by reading what [`Self::compensate`] wrote.
+    ///
+    /// # Errors
+    /// The bus's; `ReadBack` naming the register.
+    pub fn verify_compensation(&mut self) -> Result<(), Error<SPI::Error>> {
+        for (register, bit) in COMPENSATION {
+            self.port.expect(register, bit, bit)?;
+        }
+        Ok(())
     }
 
     /// Writes the whole threshold interrupt and checks it.

@@ -44,6 +44,8 @@ registers! { magnetometer_name:
     OFFSET_Z_REG_H_M = 0x4A,
     /// Identity of the magnetometer.
     WHO_AM_I_M = 0x4F,
+    /// Mode, rate, temperature compensation.
+    CFG_REG_A_M = 0x60,
     /// Filters, and what the comparator sees.
     CFG_REG_B_M = 0x61,
     /// Pin, interface, block update.

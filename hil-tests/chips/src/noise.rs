@@ -29,6 +29,10 @@ pub enum Stream {
     Mpu6050TurnOn,
     /// How it moves with the temperature.
     Mpu6050Temperature,
+    /// Offset of the LSM303AGR's magnetometer.
+    Lsm303agrMagnetometerOffset,
+    /// How it moves with the temperature.
+    Lsm303agrMagnetometerTemperature,
 }
 
 /// White Gaussian noise on three axes.

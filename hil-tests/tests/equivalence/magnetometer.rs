@@ -7,26 +7,32 @@
 //! beyond 32767 counts (49 gauss) is clipped in the data registers, where it
 //! looks no larger than 32767, and not in the comparator.
 
+use std::sync::Arc;
+
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use reflex::math::Vec3;
 use reflex::settings::Reference;
+use reflex_drivers::lsm303agr::halves::{Half, Halves, Rates};
 use reflex_drivers::lsm303agr::{
     Axes, MagCompare, MagCounts, MagInterrupt, MagOffset, MagPin, MagThreshold,
     Magnetometer as Driver,
 };
+use reflex_drivers::orders::ComparingSensor;
+use reflex_drivers::quantity::Seconds;
 
 use super::comparison::{Comparison, Decision, Sample, Tally};
 use super::ports::SpiPort;
 use super::streams::{Dice, Kind, Stream};
-use chip_models::bus::Chip;
-use chip_models::lsm303agr::Magnetometer;
+use chip_models::Stimulus;
+use chip_models::bus::{Chip, SpiChip};
+use chip_models::lsm303agr::{Accelerometer, Magnetometer};
 use chip_models::testing::{real, write_spi};
 
 /// One count in gauss.
 const COUNT: f64 = 1.5e-3;
-/// CFG_REG_A_M: continuous at 100 Hz. CFG_REG_C_M: block data update.
-const SAMPLING: [(u8, u8); 2] = [(0x62, 0x10), (0x60, 0x0C)];
+/// CFG_REG_A_M: continuous at 100 Hz, CFG_REG_C_M: block data update; the chip corrects its errors.
+const SAMPLING: [(u8, u8); 3] = [(0x62, 0x10), (0x61, 0x02), (0x60, 0x8C)];
 const PERIOD_NS: u64 = 10_000_000;
 /// The field at rest, in gauss.
 const REST: [f64; 3] = [0.2, 0.0, -0.4];
@@ -210,6 +216,42 @@ fn a_change_of_the_threshold_itself_asks_for_nothing_and_one_count_more_does() {
         });
     }
     assert!(equal > 20, "{equal}");
+}
+
+#[test]
+fn as_the_firmware_sets_it_up_the_chip_shows_none_of_its_own_offset() {
+    fn nothing(_: u64) -> Stimulus {
+        Stimulus {
+            temperature_c: 70.0,
+            ..Stimulus::default()
+        }
+    }
+    let shown = |set_up: fn(&mut Magnetometer)| {
+        let mut chip = Magnetometer::new(Arc::new(nothing), real(2));
+        set_up(&mut chip);
+        let mut sum = [0.0; 3];
+        for n in 1..=50 {
+            chip.advance(n * 2 * PERIOD_NS);
+            let read = driver(&mut chip, n * 2 * PERIOD_NS).read_sample();
+            for (sum, axis) in sum.iter_mut().zip(read.expect("the bus works").0) {
+                *sum += f64::from(axis) * COUNT / 50.0;
+            }
+        }
+        sum.into_iter()
+            .fold(0.0, |most: f64, axis| most.max(axis.abs()))
+    };
+    let by_firmware = shown(|mag| {
+        let mut accel = Accelerometer::new(Arc::new(nothing), real(2));
+        let [accel, mag] =
+            [&mut accel as &mut dyn SpiChip, mag].map(|chip| SpiPort { chip, now_ns: 0 });
+        let rates = Rates::from_hz(100, 100).expect("both halves have these rates");
+        let mut halves = Halves::new(accel, mag, rates, Seconds(0.1));
+        let set = halves.half(Half::Mag).set_up();
+        set.expect("both halves answer");
+    });
+    let by_the_crate_alone = shown(|mag| write_spi(mag, 0, &[(0x62, 0x10), (0x60, 0x0C)]));
+    assert!(by_firmware < 2e-3, "{by_firmware}");
+    assert!(by_the_crate_alone > 2e-2, "{by_the_crate_alone}");
 }
 
 proptest! {

@@ -153,6 +153,7 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
     fn check_mag(&mut self) -> Result<(), Error<A::Error>> {
         let mut chip = Magnetometer::new(&mut self.mag);
         chip.check_identity()?;
+        chip.verify_compensation()?;
         if let Routing::Threshold(threshold) = self.mag_state.routing {
             chip.verify_interrupt(mag_interrupt(threshold))?;
         }
@@ -208,10 +209,11 @@ impl<A: SpiDevice, M: SpiDevice<Error = A::Error>> Halves<A, M> {
         result
     }
 
-    /// As [`Self::restore_accel`], with the offset.
+    /// As [`Self::restore_accel`], with the offset, and the corrections that the crate leaves off.
     fn restore_mag(&mut self) -> Result<(), OrderError> {
         let mut chip = Magnetometer::new(&mut self.mag);
         chip.disable_i2c()?;
+        chip.compensate()?;
         chip.set_offset(self.offset)?;
         let wanted = self.mag_state.routing;
         self.mag_state.routing = Routing::DataReady;

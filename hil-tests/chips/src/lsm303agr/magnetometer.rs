@@ -1,9 +1,10 @@
 //! The magnetometer die: sampling, offsets, interrupt, bus.
 //!
 //! Output = field - OFFSET, always; the threshold sees the difference too when
-//! INT_on_DataOFF is set. Temperature compensation, offset cancellation and
-//! low power are accepted and change nothing but the single-shot time.
-//! Self-test is not modelled.
+//! INT_on_DataOFF is set. A noisy specimen has an offset unless OFF_CANC is
+//! set, and drifts with temperature unless COMP_TEMP_EN is; what else these
+//! do, to noise and bandwidth, is not modelled. Low power changes nothing but
+//! the single-shot time. Self-test is not modelled.
 //!
 //! CFG_REG_C_M bit 2 is reserved here and is the four-wire bit of the
 //! stand-alone die (LIS2MDL): set, the data pin no longer answers.
@@ -16,7 +17,7 @@ use super::output::Outputs;
 use super::spi::{Addressing, Byte, Transaction};
 use crate::bus::{Chip, SpiChip};
 use crate::filter::HighPass;
-use crate::noise::{Noise, Stream};
+use crate::noise::{Noise, Stream, symmetric_axes};
 use crate::options::ChipOptions;
 use crate::oscillator::{self, Ticker};
 use crate::own_clock::OwnClock;
@@ -26,9 +27,15 @@ use crate::stimulus::StimulusSource;
 const TOLERANCE: f64 = 0.05;
 /// RMS noise in gauss, high resolution.
 const NOISE_GAUSS: f64 = 3e-3;
+/// Most offset in gauss on an axis without OFF_CANC, typical of the family.
+const OFFSET_GAUSS: f64 = 0.06;
+/// Most drift without COMP_TEMP_EN in gauss for each degree from 25, typical of the family.
+const DRIFT_GAUSS: f64 = 3e-4;
 /// Rates of a single measurement: 9.4 ms, or 6.4 ms in low power.
 const SINGLE_RATE: [f64; 2] = [1e3 / 9.4, 1e3 / 6.4];
+const TEMPERATURE_COMPENSATION: u8 = 0x80;
 const LOW_POWER: u8 = 0x10;
+const OFFSET_CANCELLATION: u8 = 0x02;
 const LOW_PASS: u8 = 0x01;
 const INTERRUPT_ON_DIFFERENCE: u8 = 0x08;
 const DATA_READY_ON_PIN: u8 = 0x01;
@@ -43,6 +50,8 @@ pub struct Magnetometer {
     present: bool,
     error: f64,
     noise: Noise,
+    /// What it shows in no field at 25 degrees, and by how much more a degree above, in gauss.
+    own: [[f64; 3]; 2],
     registers: Registers,
     mode: Mode,
     clock: Option<Ticker>,
@@ -66,6 +75,14 @@ impl Magnetometer {
             present,
             error: oscillator::error(&options, stream, TOLERANCE),
             noise: Noise::new(options.seed, Stream::Lsm303agrMagnetometer, noisy),
+            own: [
+                (Stream::Lsm303agrMagnetometerOffset, OFFSET_GAUSS),
+                (Stream::Lsm303agrMagnetometerTemperature, DRIFT_GAUSS),
+            ]
+            .map(|(stream, most)| {
+                let most = if noisy { most } else { 0.0 };
+                symmetric_axes(options.seed, stream).map(|share| share * most)
+            }),
             registers: Registers::at_reset(),
             mode: Mode::Idle,
             clock: None,
@@ -140,7 +157,7 @@ impl Magnetometer {
             true => self.source.at(at_ns).magnetic_field,
             false => [0.0; 3],
         };
-        let field = self.smooth(field);
+        let field = self.smooth(self.with_own(field, at_ns));
         let field = self.noise.add(field, NOISE_GAUSS);
         let counts = field.map(|axis| (axis / map::GAUSS_PER_COUNT).round());
         let range_exceeded = counts.iter().any(|count| count.abs() > f64::from(i16::MAX));
@@ -170,6 +187,24 @@ impl Magnetometer {
             self.registers.fall_idle();
             self.configure();
         }
+    }
+
+    /// The field, and of the die's own what it is not told to correct.
+    fn with_own(&self, mut field: [f64; 3], at_ns: u64) -> [f64; 3] {
+        let [offset, drift] = self.own;
+        let cancelled = self.registers.has(map::CFG_REG_B_M, OFFSET_CANCELLATION);
+        let compensated = self
+            .registers
+            .has(map::CFG_REG_A_M, TEMPERATURE_COMPENSATION);
+        for axis in 0..3 {
+            if !cancelled {
+                field[axis] += offset[axis];
+            }
+            if !compensated {
+                field[axis] += drift[axis] * (self.source.temperature_c(at_ns) - 25.0);
+            }
+        }
+        field
     }
 
     /// CFG_REG_B_M LPF: bandwidth a quarter of the rate instead of half.

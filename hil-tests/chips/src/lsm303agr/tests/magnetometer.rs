@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use super::super::magnetometer_registers::*;
 use super::super::*;
 use crate::testing::*;
-use crate::{Chip, ChipOptions, OwnClock, Present, StimulusSource};
+use crate::{Chip, ChipOptions, OwnClock, Present, Stimulus, StimulusSource};
 
 /// 100 Hz continuous, block data update.
 const FLIGHT: [(u8, u8); 2] = [(CFG_REG_C_M, 0x10), (CFG_REG_A_M, 0x0C)];
@@ -17,6 +17,9 @@ const CHANGE: [(u8, u8); 3] = [
     (CFG_REG_B_M, 0x08),
     (INT_CTRL_REG_M, 0xE7),
 ];
+
+/// As [`FLIGHT`], with temperature compensation and offset cancellation.
+const CORRECTED: [(u8, u8); 2] = [(CFG_REG_A_M, 0x8C), (CFG_REG_B_M, 0x02)];
 
 fn chip(source: Arc<dyn StimulusSource>, options: ChipOptions, extra: &[(u8, u8)]) -> Magnetometer {
     let mut chip = Magnetometer::new(source, options);
@@ -287,7 +290,7 @@ fn a_brown_out_forgets_offsets_and_thresholds() {
 
 #[test]
 fn noise_is_three_milligauss() {
-    let mut chip = chip(field_gauss(|_| [0.0; 3]), real(2), &[]);
+    let mut chip = chip(field_gauss(|_| [0.0; 3]), real(2), &CORRECTED);
     let values: Vec<f64> = (2..2000)
         .flat_map(|n| codes(&mut chip, n * 11 * MS))
         .map(|code| f64::from(code) * 1.5)
@@ -333,4 +336,35 @@ proptest! {
         let count = f64::from(codes(&mut chip, 50 * MS)[0]) + f64::from(offset);
         prop_assert!((count * 1.5e-3 - gauss).abs() <= 0.76e-3);
     }
+}
+
+/// Mean of 200 samples in no field at a temperature, in milligauss.
+fn own(celsius: f64, extra: &[(u8, u8)]) -> [f64; 3] {
+    let source = Arc::new(move |_| Stimulus {
+        temperature_c: celsius,
+        ..Stimulus::default()
+    });
+    let mut chip = chip(source, real(2), extra);
+    let mut sum = [0.0; 3];
+    for n in 2..202 {
+        for (sum, code) in sum.iter_mut().zip(codes(&mut chip, n * 11 * MS)) {
+            *sum += f64::from(code) * 1.5 / 200.0;
+        }
+    }
+    sum
+}
+
+#[test]
+fn an_offset_shows_unless_it_is_cancelled_and_a_drift_unless_it_is_compensated() {
+    let largest = |axes: [f64; 3]| axes.into_iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let [cancelled, compensated] = [(CFG_REG_B_M, 0x02), (CFG_REG_A_M, 0x8C)];
+    let drift = |extra: &[(u8, u8)]| {
+        let [cold, hot] = [25.0, 85.0].map(|celsius| own(celsius, extra));
+        largest([0, 1, 2].map(|axis| hot[axis] - cold[axis]))
+    };
+    assert!(largest(own(85.0, &CORRECTED)) < 1.0);
+    assert!((10.0..60.0).contains(&largest(own(25.0, &[compensated]))));
+    // At most 0.3 mG for each of 60 degrees.
+    assert!((3.0..18.5).contains(&drift(&[cancelled])));
+    assert!(drift(&[compensated]) < 1.0);
 }
