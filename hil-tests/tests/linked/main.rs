@@ -1,4 +1,4 @@
-//! What the linked firmware's own instructions show: a bound of its stack, and no panic in flight.
+//! What the linked firmware itself shows: its stack has a bound, no task panics.
 
 mod panics;
 mod program;

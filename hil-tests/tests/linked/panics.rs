@@ -1,4 +1,4 @@
-//! No task panics in flight: whoever can lead to a panic is listed here, and argued.
+//! No task panics in flight: who can lead to a panic is listed, and argued.
 
 use std::collections::{BTreeMap, BTreeSet};
 
