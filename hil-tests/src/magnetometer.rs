@@ -1,4 +1,4 @@
-//! Hard and soft iron of a board, from its field while it was turned.
+//! The iron of a board, from a log of its turning: an ellipsoid fit.
 //!
 //! Earth's field is a sphere in body axes; iron moves it away from zero and bends it to an
 //! ellipsoid. The ellipsoid that fits the samples best, by linear least squares, shows what makes

@@ -11,6 +11,7 @@
 mod accels;
 mod flow;
 mod heading;
+mod repeats;
 mod signal;
 
 use super::door::Fault;

@@ -1,5 +1,6 @@
 //! Three axes and their arithmetic.
 
+use super::max;
 use core::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 /// Three components; the type around it says of what, and in which frame.
@@ -79,7 +80,7 @@ impl Vec3 {
     /// The largest absolute component, as the chips compare: any axis past the threshold.
     #[must_use]
     pub fn max_norm(self) -> f32 {
-        self.x.abs().max(self.y.abs()).max(self.z.abs())
+        max(max(self.x.abs(), self.y.abs()), self.z.abs())
     }
 
     /// Each component limited to plus or minus the same component of `limit`.

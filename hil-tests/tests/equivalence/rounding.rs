@@ -145,37 +145,50 @@ impl Flight {
             chips: Drivers::new(ports, &settings),
         };
         flight.milliseconds(600, |_| 0);
-        let hover = Thrust::new(0.5).expect("in range");
-        for message in [
-            Message::Setpoint(Setpoint::level(hover)),
-            Message::Arm(ArmCommand::ARM),
-        ] {
-            let _ = flight.autopilot.on_message(at_micros(flight.now), &message);
-        }
+        flight.tell(&Message::Setpoint(Setpoint::default()));
+        flight.tell(&Message::Arm(ArmCommand::ARM));
         flight.milliseconds(8000, gusty);
         assert_eq!(flight.autopilot.telemetry().phase, Phase::Reactive);
         flight
     }
 
+    fn tell(&mut self, message: &Message) {
+        let _ = self.autopilot.on_message(at_micros(self.now), message);
+    }
+
+    /// Time passes; once armed, a pilot holds it in the air.
     fn milliseconds(&mut self, count: u64, rate: impl Fn(u64) -> i16) {
         for _ in 0..count {
-            self.now += 1000;
+            self.millisecond(rate(self.now + 1000));
             let now = at_micros(self.now);
-            if self.autopilot.deadline() <= now {
-                let _ = self.autopilot.on_timer(now);
-            }
-            if self.turn(rate(self.now)) == Next::Hyperperiod {
-                let _ = self.autopilot.on_hyperperiod(now);
-            }
             while let Some(job) = self.autopilot.refit_due(now) {
                 self.autopilot.on_refit(now, job.fit());
             }
         }
     }
 
-    /// A sample of a drone at rest that turns about roll, in counts.
+    /// A millisecond passes; true where control ran.
+    fn millisecond(&mut self, rate: i16) -> bool {
+        self.now += 1000;
+        let now = at_micros(self.now);
+        if self.now.is_multiple_of(500_000) && self.autopilot.telemetry().state.is_armed() {
+            let hover = Setpoint::level(Thrust::new(0.5).expect("in range"));
+            self.tell(&Message::Setpoint(hover));
+        }
+        let failsafe = self.autopilot.deadline() <= now && self.autopilot.on_timer(now).is_some();
+        let ended = self.turn(rate) == Next::Hyperperiod;
+        ended && self.autopilot.on_hyperperiod(now).is_some() || failsafe
+    }
+
+    /// A sample of a drone at rest that turns about roll, in counts, with a sensor's noise.
     fn turn(&mut self, rate: i16) -> Next {
-        let reading = Sensor::reading(&burst(rate)).expect("data ready");
+        let mut reading = Sensor::reading(&burst(rate)).expect("data ready");
+        let noise = |axis: u64| {
+            let mixed = (self.now / 1000 * 3 + axis).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            (mixed >> 60) as f32 * 1e-3
+        };
+        reading.rates.0 += Vec3::new(noise(0), noise(1), noise(2));
+        reading.force.0 += Vec3::new(noise(3), noise(4), noise(5));
         self.autopilot.on_imu(at_micros(self.now), &reading)
     }
 
@@ -202,10 +215,8 @@ impl Flight {
         self.autopilot
             .on_refit(at_micros(self.now), Refit { input, fit });
         // What a refit means is judged with the next run.
-        self.now = self.autopilot.deadline().ticks();
+        while !self.millisecond(gusty(self.now)) {}
         let now = at_micros(self.now);
-        let _ = self.turn(gusty(self.now));
-        let _ = self.autopilot.on_timer(now);
         let mut programs = None;
         while let Some(order) = self.autopilot.next_order() {
             let obeyed = self.chips.execute(order).expect("the bus works");

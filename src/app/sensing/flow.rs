@@ -4,10 +4,13 @@
 //! missing, again and again. Either is over once samples come as they should.
 
 use crate::config::HYPERPERIOD;
+use crate::math::max;
 use crate::time::{Duration, Instant, at_micros, micros, seconds, span};
 
 /// How long the gating sensor may take to deliver its first sample.
 const WAKING: Duration = micros(1_000_000);
+/// Two of the samples that are due, in s.
+const TWO_PERIODS_S: f32 = HYPERPERIOD.ticks() as f32 * 2e-6;
 /// Samples in a row that came in time: the flow is back.
 const STEADY: u8 = 8;
 
@@ -50,14 +53,24 @@ impl Flow {
                 starved: false,
             };
         };
+        let dt = seconds(since);
+        if since <= HYPERPERIOD * 2 && self.owed == 0.0 && self.steady >= STEADY {
+            self.stopped = false;
+            return Heard { dt, starved: false };
+        }
+        self.weigh(since, dt, patience)
+    }
+
+    /// What becomes of a sample that came late, or behind one that did.
+    #[inline(never)]
+    fn weigh(&mut self, since: Duration, dt: f32, patience: Duration) -> Heard {
         let in_time = since <= HYPERPERIOD * 3;
         self.steady = if in_time {
             self.steady.saturating_add(1)
         } else {
             0
         };
-        let dt = seconds(since);
-        self.owed = (self.owed + dt - seconds(HYPERPERIOD * 2)).max(0.0);
+        self.owed = max(self.owed + dt - TWO_PERIODS_S, 0.0);
         let mut starved = false;
         if self.stopped {
             self.stopped = self.steady < STEADY;

@@ -2,14 +2,14 @@
 //!
 //! | condition | is | found after | false alarm |
 //! |---|---|---|---|
-//! | frozen | an axis repeats itself to the last bit | [`FROZEN`] samples | see below |
-//! | at the rail | an axis is at the end of its range | [`AT_RAIL`] samples | a spin that lasts |
+//! | frozen | an axis repeats itself to the last bit | [`FROZEN`] windows | see below |
+//! | at the rail | an axis is at the end of its range | [`AT_RAIL`] windows | a spin that lasts |
 //! | jumping | many samples that no motion explains | [`MANY`] of them, soon on another | - |
 //! | jumping | samples that turn back again and again | some [`ROUGHNESS`] samples | vibration |
 //!
 //! A gyroscope at rest with the datasheet's noise (0.9 counts in 98 Hz) repeats half of its
 //! samples, and never more than 21 in a row in a million; one with half of that noise repeats
-//! three quarters. 90 in a row are then once in 10^11 samples: in 3 years of standing still.
+//! three quarters. Five windows of 16 in a row are then once in 10^11 samples: in years of standing still.
 //!
 //! A sample that no motion explains is dropped, the one before stands for it. Beyond
 //! [`Range::step`] a millisecond nothing turns or shakes a drone that still flies: twice what
@@ -18,20 +18,23 @@
 //! steps turns back with every sample, as nothing behind a low-pass of 98 Hz does: the mean of
 //! second differences is a third of [`Range::rough`] in the worst vibration recorded.
 
-use crate::math::Vec3;
+use super::repeats::Repeats;
+use crate::math::{Vec3, max, min};
 
-/// Samples in a row that are equal to the last bit.
-const FROZEN: u8 = 90;
+/// Windows in a row that are equal to the last bit: found within 95 samples.
+const FROZEN: u8 = 5;
 /// The same at the rail, reached in steps that motion makes: more than a turn takes at 2000 deg/s.
-const AT_RAIL: u8 = 190;
+const AT_RAIL: u8 = 12;
 /// What a dropped sample counts; a believed one takes one back.
 const DROPPED: u16 = 10;
 /// A sensor jumps from this count on: 50 samples at once, or a tenth of them for long.
 const MANY: u16 = 500;
 /// It jumps no more below this: a tenth of a second behind the last jump.
 const FEW: u16 = 400;
-/// Samples over which second differences are averaged.
-const ROUGHNESS: f32 = 64.0;
+/// One second difference is taken of so many samples.
+const LOOK: u8 = 4;
+/// Second differences that are averaged: those of 64 samples.
+const ROUGHNESS: f32 = 16.0;
 /// One second difference counts this many times the limit at most: a spike is no garbage.
 const ROUGHEST: f32 = 4.0;
 /// Behind a gap that is longer, in s, any step may be motion.
@@ -79,17 +82,18 @@ pub(super) struct Judged {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Signal {
     raw: Vec3,
-    /// What it moved by.
+    /// What it moved by, ahead of a look.
     moved: Vec3,
     believed: Vec3,
-    /// Equal samples in a row, by axis.
-    same: [u8; 3],
+    repeats: Repeats,
     /// Time since the believed sample, in s.
     held: f32,
     dropped: u16,
     /// Mean second difference.
     rough: f32,
     condition: Condition,
+    /// Nothing was wrong for a while: most samples need no weighing.
+    calm: bool,
 }
 
 impl Judged {
@@ -112,15 +116,45 @@ impl Signal {
 
     /// Takes a sample, `dt` (s) behind the one before.
     pub(super) fn take(&mut self, value: Vec3, dt: f32, range: &Range) -> Judged {
-        self.count_same(value);
         let moved = value - self.raw;
-        let turned = (moved - self.moved).max_norm().min(ROUGHEST * range.rough);
-        self.rough += (turned - self.rough) * (1.0 / ROUGHNESS);
-        self.moved = moved;
+        let repeats = self.repeats.take(moved);
         self.raw = value;
+        match self.repeats.left() % LOOK {
+            1 => self.moved = moved,
+            0 => self.roughen(moved, range),
+            _ => {}
+        }
+        // What is no number is within nothing.
+        let small = moved.max_norm() <= range.step && moved.x + moved.y + moved.z < f32::INFINITY;
+        if self.calm && small && !repeats {
+            self.believed = value;
+            return Judged {
+                value,
+                changed: None,
+                spike: false,
+            };
+        }
+        let judged = self.weigh(value, dt, range);
+        self.calm = self.held == 0.0
+            && self.dropped == 0
+            && self.condition == Condition::Alive
+            && self.rough <= range.rough;
+        judged
+    }
+
+    /// Takes the second difference of neighbours.
+    fn roughen(&mut self, moved: Vec3, range: &Range) {
+        let turned = min((moved - self.moved).max_norm(), ROUGHEST * range.rough);
+        self.rough += (turned - self.rough) * (1.0 / ROUGHNESS);
+        self.calm &= self.rough <= range.rough;
+    }
+
+    /// What becomes of a sample that is not like most.
+    #[inline(never)]
+    fn weigh(&mut self, value: Vec3, dt: f32, range: &Range) -> Judged {
         let first = self.held == 0.0;
         self.held += dt;
-        let explained = range.step * (dt * 1_000.0).max(1.0) + range.drift * self.held;
+        let explained = range.step * max(dt * 1_000.0, 1.0) + range.drift * self.held;
         let step = value - self.believed;
         let free = dt > GAP || matches!(self.condition, Condition::Frozen | Condition::AtRail);
         // What is no number is no motion; the largest of components would not show it.
@@ -139,24 +173,9 @@ impl Signal {
         }
     }
 
-    fn count_same(&mut self, value: Vec3) {
-        let [x, y, z] = &mut self.same;
-        for (same, now, before) in [
-            (x, value.x, self.raw.x),
-            (y, value.y, self.raw.y),
-            (z, value.z, self.raw.z),
-        ] {
-            *same = if now == before {
-                same.saturating_add(1)
-            } else {
-                0
-            };
-        }
-    }
-
     /// The condition where it changes.
     fn judge(&mut self, range: &Range) -> Option<Condition> {
-        let [x, y, z] = self.same;
+        let [x, y, z] = self.repeats.windows();
         let jumping = self.condition == Condition::Jumping;
         let most = x.max(y).max(z);
         let (many, rough) = if jumping {
@@ -182,12 +201,12 @@ impl Signal {
 
     /// What it is that repeats itself.
     fn repeating(&self, range: &Range) -> Condition {
-        let axes = self.same.into_iter().zip(self.raw.to_array());
-        axes.filter(|(same, _)| *same >= FROZEN)
-            .map(|(same, value)| {
+        let axes = self.repeats.windows().into_iter().zip(self.raw.to_array());
+        axes.filter(|(windows, _)| *windows >= FROZEN)
+            .map(|(windows, value)| {
                 if value.abs() < range.rail {
                     Condition::Frozen
-                } else if same >= AT_RAIL || self.believed != self.raw {
+                } else if windows >= AT_RAIL || self.believed != self.raw {
                     Condition::AtRail
                 } else {
                     Condition::Alive
@@ -237,8 +256,8 @@ mod tests {
                 axes[axis] = 0.02;
                 Vec3::from_array(axes)
             };
-            assert_eq!(after(90, frozen).0, Alive);
-            assert_eq!(after(91, frozen).0, Frozen, "axis {axis}");
+            assert_eq!(after(80, frozen).0, Alive);
+            assert_eq!(after(96, frozen).0, Frozen, "axis {axis}");
         }
     }
 
@@ -261,8 +280,8 @@ mod tests {
             Vec3::new((sample as f32 * 0.4).min(35.0), 0.0, 0.0)
                 + alive(sample).scale(Vec3::new(0.0, 1.0, 1.0))
         };
-        assert_eq!(after(250, flip).0, Alive);
-        assert_eq!(after(300, flip).0, AtRail);
+        assert_eq!(after(240, flip).0, Alive);
+        assert_eq!(after(320, flip).0, AtRail);
         let jump = |sample: u32| match sample {
             0..100 => alive(sample),
             _ => Vec3::new(35.0, noise(sample), noise(sample + 13)),

@@ -70,10 +70,9 @@ impl BoardEvidence<'_, '_> {
 
     fn scored_runs(&self) -> impl Iterator<Item = &AlignedRun> {
         let from = scored_from_us(self.timeline);
-        self.alignment
-            .runs
-            .iter()
-            .filter(move |run| run.at_us > from)
+        let to = self.timeline.flight.last_us();
+        let scored = move |run: &&AlignedRun| run.at_us > from && run.at_us <= to;
+        self.alignment.runs.iter().filter(scored)
     }
 
     fn cpu(&self) -> Cpu {
