@@ -1,4 +1,4 @@
-//! Which axes of a sensor repeat themselves to the last bit, counted in windows of samples.
+//! Which axes of a sensor repeat themselves to the last bit, window by window.
 //!
 //! Most axes move within a few samples of a window: from then on it costs nothing to watch them.
 
