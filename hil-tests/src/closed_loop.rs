@@ -18,6 +18,7 @@
 pub mod contention;
 mod desired;
 mod emulated;
+mod fault_report;
 mod fault_watch;
 mod flight_report;
 mod flying_board;
@@ -49,7 +50,7 @@ use crate::record::Counted;
 
 use chip_models::ZeroRate;
 use contention::Contention;
-pub use fault_watch::{FaultReport, Outcome};
+pub use fault_report::{FaultReport, Outcome};
 pub use mission::Mission;
 use report::FlightReport;
 use simulated_flight::SimulatedFlight;

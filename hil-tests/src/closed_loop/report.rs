@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::fault_watch::FaultReport;
+use super::fault_report::FaultReport;
 use crate::scoring::{ByReason, Tier, or_dash};
 
 /// The whole flight. The scored part begins when the drone is up and has learned.

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use chip_models::Sensor;
 use emulated_board::{Disturbance, SensorLine};
 
-use super::signal::{Distortion, Elements};
+use super::distortion::{Distortion, Elements};
 
 /// A kind of fault, at places that it has.
 pub struct Kind {

@@ -248,6 +248,7 @@ fn nanos(limits: &Limits, since_take_off_s: f64) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::distortion::Distortion;
     use super::*;
 
     const LIMITS: Limits = Limits {
@@ -285,8 +286,6 @@ mod tests {
         assert_eq!(elements.axes, [false, true, false]);
         assert!(fault.holds(21_500_000_000) && !fault.holds(22_000_000_000));
     }
-
-    use super::super::signal::Distortion;
 
     /// entry | line | what is said
     const SENSELESS: &str = "

@@ -6,43 +6,14 @@ use chip_models::Sensor;
 use rand_distr::{Distribution, Uniform};
 use random_streams::{Generator, generator};
 
-use super::Effect;
+use super::distortion::{Distortion, Elements};
+use super::kinds::Effect;
 use super::script::{Fault, Script};
 
 /// Keeps garbage apart from other chance of the same seed.
 const STREAM: u64 = 0x4741_5242;
 /// Beyond the range of every converter, which clips it.
 const BEYOND: f64 = 1e6;
-
-/// Axes of a sensor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Elements {
-    /// The sensor.
-    pub of: Sensor,
-    /// Those of its axes that are meant.
-    pub axes: [bool; 3],
-}
-
-/// What becomes of a reading, in deg/s, g or gauss.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Distortion {
-    /// The first of the fault is repeated.
-    Stuck,
-    /// Zero.
-    Zero,
-    /// Random, over the whole range.
-    Garbage,
-    /// At the end of the range.
-    Saturated,
-    /// So many times as much.
-    Scaled(f64),
-    /// So much more.
-    Bias(f64),
-    /// More by so much each second.
-    Drift(f64),
-    /// Turned about the vertical axis, degrees.
-    Turned(f64),
-}
 
 /// All broken sensors of a flight.
 #[derive(Debug)]
