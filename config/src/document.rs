@@ -12,14 +12,18 @@ use crate::ConfigError;
 use crate::values::{File, Schema, Values};
 
 /// A file that was read.
-pub(crate) struct Document {
+#[derive(Clone, Debug)]
+pub struct Document {
     file: PathBuf,
     text: String,
 }
 
 impl Document {
     /// Reads the text of a file.
-    pub(crate) fn open(file: &Path) -> Result<Self, ConfigError> {
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn open(file: &Path) -> Result<Self, ConfigError> {
         let text = std::fs::read_to_string(file)
             .map_err(|error| ConfigError::of_file(file, format!("cannot be read: {error}")))?;
         Ok(Self {
@@ -28,8 +32,11 @@ impl Document {
         })
     }
 
-    /// The typed content; unknown keys, wrong types and values out of range are errors.
-    pub(crate) fn parse<T: DeserializeOwned>(&self) -> Result<T, ConfigError> {
+    /// The typed content.
+    ///
+    /// # Errors
+    /// Unknown keys, wrong types and values out of range, with file, line and key.
+    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, ConfigError> {
         self.seeded(PhantomData)
     }
 
@@ -75,7 +82,7 @@ impl Document {
     /// An error of one key, for what only several values together can show.
     ///
     /// Numbers in `path` are places in a list, from 0.
-    pub(crate) fn error_at(&self, path: &str, message: impl Into<String>) -> ConfigError {
+    pub fn error_at(&self, path: &str, message: impl Into<String>) -> ConfigError {
         let keys: Vec<&str> = path.split('.').collect();
         let line = DeTable::parse(&self.text).ok().and_then(|table| {
             find(&DeValue::Table(table.into_inner()), &keys).map(|at| self.line_at(at))

@@ -24,6 +24,7 @@ use reflex_settings::Settings;
 use serde::Deserialize;
 
 pub use airframe::{Airframe, Motor, Spin};
+pub use document::Document;
 pub use error::ConfigError;
 pub use logic::Logic;
 pub use values::Values;
@@ -35,7 +36,6 @@ pub mod plant {
     pub use crate::vehicle::{Battery, Drag, Esc, Rotors, Skids, Vehicle, Vibration};
 }
 
-use document::Document;
 use reactive::Files;
 
 /// Which product is built: the content of `selection.toml`.

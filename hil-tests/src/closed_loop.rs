@@ -18,6 +18,8 @@
 pub mod contention;
 mod desired;
 mod emulated;
+mod fault_report;
+mod fault_watch;
 mod flight_report;
 mod flying_board;
 mod measures;
@@ -40,6 +42,7 @@ use reflex::settings::Settings;
 use reflex_config::Airframe;
 use reflex_config::plant::{Environment, Tracking, Vehicle};
 
+use crate::faults::{Limits, Script};
 use crate::firmware::Firmware;
 use crate::logics::GainSet;
 use crate::progress::Progress;
@@ -47,6 +50,7 @@ use crate::record::Counted;
 
 use chip_models::ZeroRate;
 use contention::Contention;
+pub use fault_report::{FaultReport, Outcome};
 pub use mission::Mission;
 use report::FlightReport;
 use simulated_flight::SimulatedFlight;
@@ -130,6 +134,17 @@ impl Scene {
     }
 }
 
+/// What the script of a flight may do.
+#[must_use]
+pub fn limits_of(scene: &Scene, duration_s: f64, is_native: bool) -> Limits {
+    Limits {
+        take_off_ns: station::TAKE_OFF_NS,
+        duration_s,
+        motors: scene.airframe.motors.len(),
+        is_native,
+    }
+}
+
 /// What is flown, and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlyOptions {
@@ -148,6 +163,8 @@ pub struct FlyOptions {
     pub stress: Stress,
     /// How control shares the processor.
     pub contention: Contention,
+    /// What breaks in flight.
+    pub faults: Script,
 }
 
 /// A drone that answers more strongly or later, by which margins are measured, or whose gyroscope

@@ -7,6 +7,7 @@ mod bar;
 mod bench;
 mod campaign;
 mod declared_options;
+mod faults;
 mod flight_numbers;
 mod fly;
 mod graph;
@@ -58,6 +59,8 @@ enum Command {
     Fly(Box<fly::FlyArguments>),
     /// Fly hundreds of simulated hours, reactive against periodic control, and report
     Campaign(campaign::CampaignArguments),
+    /// Fly every scenario of faults, and check what becomes of the drone
+    Faults(faults::FaultsArguments),
     /// Count the instructions of every part on the emulated core, against its limit
     Bench(bench::BenchArguments),
     /// Count where the instructions of a flight go: by part of the firmware, function and task
@@ -88,6 +91,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Replay(arguments) => replay::run(arguments),
         Command::Fly(arguments) => fly::run(arguments),
         Command::Campaign(arguments) => campaign::run(arguments),
+        Command::Faults(arguments) => faults::run(arguments),
         Command::Bench(arguments) => bench::run(arguments),
         Command::Profile(arguments) => profile::run(arguments),
         Command::Graph(arguments) => graph::run(arguments),

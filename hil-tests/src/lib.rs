@@ -8,7 +8,9 @@
 //! - [`replay`]: a recorded flight on the emulated board; [`scoring`] judges what happened
 //! - [`campaign`]: hundreds of hours of closed-loop flights, compared and reported
 //! - [`closed_loop`]: a simulated drone in wind instead of a recorded flight
+//! - [`faults`]: what can break in a flight, by script
 //! - `native`: the same flights without the emulator, a hundred times as fast
+//! - [`scenarios`]: flights in which something breaks, and what is expected of them
 //! - [`costs`]: instructions, memory and locks of the firmware, against limits
 //! - [`profile`]: where the instructions of a flight go, by part, function and task
 //! - [`sweep`]: many of those over a grid of settings, drawn with [`plot`]
@@ -22,6 +24,7 @@ mod clock;
 pub mod closed_loop;
 pub mod commands;
 pub mod costs;
+pub mod faults;
 pub mod firmware;
 pub mod ground_station;
 mod json;
@@ -36,6 +39,7 @@ pub mod progress;
 mod record;
 pub mod refusal;
 pub mod replay;
+pub mod scenarios;
 pub mod scoring;
 pub mod sweep;
 pub mod toolchain;

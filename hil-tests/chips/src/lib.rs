@@ -34,7 +34,7 @@ pub use mpu6050::Mpu6050;
 pub use options::{ChipOptions, Present, ZeroRate};
 pub use own_clock::{Die, OwnClock};
 pub use shared::SharedChips;
-pub use stimulus::{Stimulus, StimulusSource};
+pub use stimulus::{Sensor, Stimulus, StimulusSource};
 
 /// The dies with a clock of their own, in the order of the firmware's inputs: both tiers play them.
 pub const DIES: [Die; 2] = [lsm303agr::ACCELEROMETER, lsm303agr::MAGNETOMETER];

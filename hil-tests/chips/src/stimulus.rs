@@ -16,6 +16,19 @@ pub struct Stimulus {
     pub temperature_c: f64,
 }
 
+/// A sensor element, with a converter of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sensor {
+    /// The MPU6050's gyroscope.
+    Gyroscope,
+    /// The MPU6050's accelerometer.
+    ImuAccelerometer,
+    /// The LSM303AGR's accelerometer.
+    Accelerometer,
+    /// The LSM303AGR's magnetometer.
+    Magnetometer,
+}
+
 /// A signal over virtual time; must be a pure function of the instant.
 pub trait StimulusSource: Send + Sync {
     /// The stimulus at `at_ns`.
@@ -32,6 +45,14 @@ pub trait StimulusSource: Send + Sync {
     /// Specific force alone, m/s2.
     fn specific_force(&self, at_ns: u64) -> [f64; 3] {
         self.at(at_ns).specific_force
+    }
+
+    /// What a sensor's converter delivers of its own reading, in deg/s, g or gauss: the reading, unless the
+    /// sensor is broken.
+    ///
+    /// Asked once for each sample of a sensor, in order of time.
+    fn delivered(&self, _of: Sensor, _at_ns: u64, reading: [f64; 3]) -> [f64; 3] {
+        reading
     }
 
     /// Temperature alone, degrees Celsius.

@@ -66,6 +66,8 @@ pub struct Drone {
     loads: Loads,
     readings: Readings,
     watch: Watch,
+    /// Share of its thrust that each motor gives.
+    strengths: [f64; MAX_MOTORS],
 }
 
 impl Drone {
@@ -105,6 +107,7 @@ impl Drone {
                 magnetic_field: Vector3::zeros(),
             },
             watch: Watch::default(),
+            strengths: [1.0; MAX_MOTORS],
             frame,
         };
         drone.ground.settle(&state, &state, &mut drone.anchors);
@@ -139,6 +142,21 @@ impl Drone {
         }
         self.readings = self.measure();
         Ok(())
+    }
+
+    /// A motor gives this share of its thrust from now on, 0 to 1; one that the drone lacks is none.
+    pub fn weaken(&mut self, motor: usize, share: f64) {
+        if let Some(strength) = self.strengths.get_mut(motor) {
+            *strength = share.clamp(0.0, 1.0);
+        }
+    }
+
+    /// The battery holds at most this share of its charge from now on, and has an inner resistance of its own,
+    /// ohm.
+    pub fn wear_battery(&mut self, most_charge: f64, resistance: f64) {
+        let charge = &mut self.state.state_of_charge;
+        *charge = charge.min(most_charge.clamp(0.0, 1.0));
+        self.frame.vehicle.battery.resistance = resistance.clamp(0.0, 10.0);
     }
 
     /// What the sensors read now.
@@ -215,8 +233,10 @@ impl Drone {
     fn sought(&self, throttles: &[f64]) -> [f64; MAX_MOTORS] {
         let vehicle = &self.frame.vehicle;
         let mut sought = [0.0; MAX_MOTORS];
-        for (speed, &throttle) in sought.iter_mut().zip(throttles) {
-            let thrust = vehicle.propulsion.thrust_share(vehicle.esc.reads(throttle));
+        let motors = throttles.iter().zip(&self.strengths);
+        for (speed, (&throttle, strength)) in sought.iter_mut().zip(motors) {
+            let reads = vehicle.esc.reads(throttle);
+            let thrust = vehicle.propulsion.thrust_share(reads) * strength;
             *speed = vehicle.propulsion.full_speed * thrust.sqrt();
         }
         sought

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::role::{Pace, Role};
 use crate::closed_loop::contention::Contention;
 use crate::closed_loop::{FlyOptions, Mission, Stress};
+use crate::faults::Script;
 use crate::logics::{GainSet, LogicName};
 pub use crate::scoring::Tier;
 
@@ -188,6 +189,7 @@ impl Job {
             duration_s: f64::from(sortie.duration_s),
             scored_from_s: Some(f64::from(scored_from_s)),
             stress,
+            faults: Script::default(),
             contention: Contention::default(),
         })
     }

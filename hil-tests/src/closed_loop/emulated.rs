@@ -4,26 +4,26 @@
 //! compute the same command bit by bit; at the end every timer register must have held it.
 
 use std::num::NonZeroU64;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use anyhow::{Context, Result};
-use reflex::app::Call;
-use reflex::reactive::Phase;
+use reflex::app::{Call, Fault, Telemetry};
 use reflex::settings::MotorProtocol;
 
 use super::Core;
 use super::desired::Desired;
 use super::flying_board::{Applied, Ended, FlyingBoard, TimedRan};
 use super::report::Cpu;
+use crate::faults::{Chip, Effect, Fault as Scripted, Script};
 use crate::ground_station::LinkFrame;
 use crate::logics::Start;
-use crate::native::nanos;
+use crate::native::{flip_bit, nanos};
 use crate::record::motor_timers::{throttle, update_period_ns};
 use crate::record::{Alignment, CountedFrom, Mirror, Observation};
 use crate::scoring::MotorDigest;
 use chip_models::{ChipOptions, SharedChips, StimulusSource};
 use emulated_board::emulated::{EmulatedBoard, Sensors};
-use emulated_board::{Board, Elf, Options, SensorLine};
+use emulated_board::{Board, BusFault, Elf, Options, SensorLine};
 
 /// The shortest time between two samples of the MPU6050: 1 ms less its clock's tolerance.
 const SHORTEST_PERIOD_NS: u64 = 950_000 / reflex::config::IMU_RATE as u64 * 1_000;
@@ -33,6 +33,7 @@ const SHORTEST_ANSWER_NS: u64 = 400_000;
 /// An emulated board, the mirror of its calls, and what was observed so far.
 pub(super) struct FlyingEmulatedBoard {
     board: Box<EmulatedBoard>,
+    chips: SharedChips,
     observation: Observation,
     /// Makes the firmware's calls again.
     mirror: Mirror,
@@ -54,16 +55,20 @@ impl FlyingEmulatedBoard {
         start: &Start,
         source: &Arc<dyn StimulusSource>,
         chips: ChipOptions,
+        faults: &Script,
     ) -> Result<Self> {
-        let sensors = Sensors::from(&SharedChips::feeling(source, chips));
+        let chips = SharedChips::feeling(source, chips);
+        let sensors = Sensors::from(&chips);
         let elf = Arc::new(Elf::parse(core.firmware.bytes.clone())?);
         let instructions_per_second = NonZeroU64::new(u64::from(core.mhz) * 1_000_000);
         let options = Options {
             settings: Some(start.to_bytes()),
+            bus_faults: faults.iter().filter_map(bus_fault).collect(),
             instructions_per_second: instructions_per_second.context("no clock")?,
             ..Options::default()
         };
         Ok(Self {
+            chips,
             board: Box::new(EmulatedBoard::boot(&elf, sensors, &options)?),
             observation: Observation::new(None),
             mirror: Mirror::new(start),
@@ -89,6 +94,21 @@ impl FlyingEmulatedBoard {
         self.mirrored = self.observation.calls.len();
         Ok(())
     }
+}
+
+fn bus_fault(fault: &Scripted) -> Option<BusFault> {
+    match fault.effect {
+        Effect::Bus(what) => Some(BusFault {
+            what,
+            from_ns: fault.from_ns,
+            until_ns: fault.until_ns,
+        }),
+        _ => None,
+    }
+}
+
+fn held<C: ?Sized>(chip: &Mutex<C>) -> MutexGuard<'_, C> {
+    chip.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl FlyingBoard for FlyingEmulatedBoard {
@@ -121,8 +141,22 @@ impl FlyingBoard for FlyingEmulatedBoard {
         Desired::of(self.mirror.logic())
     }
 
-    fn phase(&self) -> Phase {
-        self.mirror.autopilot().telemetry().phase
+    fn telemetry(&self) -> Telemetry {
+        self.mirror.autopilot().telemetry()
+    }
+
+    fn counted(&self, fault: Fault) -> u32 {
+        self.mirror.autopilot().faults(fault)
+    }
+
+    fn strike(&mut self, effect: Effect) {
+        let now_ns = self.board.now_ns();
+        match effect {
+            Effect::BrownOut(Chip::Imu) => held(&self.chips.imu).brown_out(now_ns),
+            Effect::BrownOut(Chip::Die(place)) => held(&self.chips.dies[place]).brown_out(now_ns),
+            Effect::FlippedBit(bit) => flip_bit(&mut held(&self.chips.imu), now_ns, bit),
+            _ => {}
+        }
     }
 
     fn update_offset_ns(&self) -> u64 {

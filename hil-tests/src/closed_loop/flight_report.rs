@@ -3,6 +3,7 @@
 use anyhow::Result;
 use reflex::settings::{Policy, Settings};
 
+use super::fault_watch::FaultWatch;
 use super::report::{AxisErrors, Control, CrashReport, FlightReport};
 use super::simulated_flight::{Scored, SimulatedFlight};
 use super::station::TAKE_OFF_NS;
@@ -49,6 +50,7 @@ impl SimulatedFlight<'_> {
         let position_error_m = self.measures.position.value().filter(|_| is_whole);
         let turning_rad_s = self.measures.turning.value().filter(|_| is_whole);
         let control = self.control(whole.map(|whole| whole.length_s));
+        let faults = self.watch.as_ref().map(FaultWatch::report);
         let duration_s = self.since_take_off_s().max(0.0);
         let from_ns = self.scored.as_ref().map(|scored| scored.from_ns);
         let ended = self.board.finish(from_ns.unwrap_or_default())?;
@@ -84,6 +86,7 @@ impl SimulatedFlight<'_> {
             energy_per_minute_j: power_w.map(|power| power * 60.0),
             flight_time_s,
             wind_m_s,
+            faults,
             digest: ended.digest,
         };
         Ok((report, ended.counted))

@@ -1,11 +1,11 @@
 //! What flies the simulated drone: firmware on a board, or the same code natively.
 
 use anyhow::Result;
-use reflex::app::Ran;
-use reflex::reactive::Phase;
+use reflex::app::{Fault, Ran, Telemetry};
 
 use super::desired::Desired;
 use super::report::Cpu;
+use crate::faults::Effect;
 use crate::ground_station::LinkFrame;
 use crate::record::Counted;
 
@@ -48,8 +48,14 @@ pub(super) trait FlyingBoard {
     /// The attitude steered to.
     fn desired(&mut self) -> Desired;
 
-    /// How control runs.
-    fn phase(&self) -> Phase;
+    /// How the firmware is.
+    fn telemetry(&self) -> Telemetry;
+
+    /// How often the firmware counted a fault.
+    fn counted(&self, fault: Fault) -> u32;
+
+    /// A chip breaks now, where an effect is that of a chip.
+    fn strike(&mut self, effect: Effect);
 
     /// The offset of the timers' update events from whole periods, ns.
     fn update_offset_ns(&self) -> u64;

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use reflex::app::Call;
-use reflex::reactive::Phase;
+use reflex::app::{Call, Fault, Telemetry};
 use reflex::settings::MotorProtocol;
 
 use super::desired::Desired;
 use super::flying_board::{Applied, Ended, FlyingBoard, TimedRan};
+use crate::faults::{Effect, Script};
 use crate::ground_station::LinkFrame;
 use crate::logics::Start;
 use crate::native::{NativeBoard, RUN_NS, nanos};
@@ -29,9 +29,12 @@ impl FlyingNativeBoard {
         start: &Start,
         source: &Arc<dyn StimulusSource>,
         chips: ChipOptions,
+        faults: &Script,
     ) -> Self {
+        let mut board = NativeBoard::boot(start, source, chips, Vec::new());
+        board.disturb(faults);
         Self {
-            board: NativeBoard::boot(start, source, chips, Vec::new()),
+            board,
             protocol: start.settings.motors,
             digest: MotorDigest::new(),
         }
@@ -81,8 +84,16 @@ impl FlyingBoard for FlyingNativeBoard {
         Desired::of(self.board.pilot.logic())
     }
 
-    fn phase(&self) -> Phase {
-        self.board.pilot.telemetry().phase
+    fn telemetry(&self) -> Telemetry {
+        self.board.pilot.telemetry()
+    }
+
+    fn counted(&self, fault: Fault) -> u32 {
+        self.board.pilot.faults(fault)
+    }
+
+    fn strike(&mut self, effect: Effect) {
+        self.board.strike(effect);
     }
 
     fn update_offset_ns(&self) -> u64 {

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::fault_report::FaultReport;
 use crate::scoring::{ByReason, Tier, or_dash};
 
 /// The whole flight. The scored part begins when the drone is up and has learned.
@@ -58,6 +59,8 @@ pub struct FlightReport {
     pub flight_time_s: Option<f64>,
     /// Mean speed of the wind that was met in the scored part, m/s.
     pub wind_m_s: Option<f64>,
+    /// What came of the faults of a script; null where nothing was to break.
+    pub faults: Option<FaultReport>,
     /// SHA-256 of all motor commands with their instants.
     pub digest: String,
 }
@@ -187,6 +190,9 @@ pub fn summary(report: &FlightReport) -> String {
             or_dash(minutes, 1)
         ),
     ];
+    if let Some(faults) = &report.faults {
+        lines.push(format!("faults           {faults}"));
+    }
     if let Some(crash) = report.crash_text() {
         lines.push(format!("CRASHED          {crash}"));
     }
@@ -232,6 +238,7 @@ mod tests {
             energy_per_minute_j: None,
             flight_time_s: None,
             wind_m_s: None,
+            faults: None,
             digest: "00".into(),
         }
     }

@@ -6,21 +6,28 @@
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use chip_models::{Stimulus, StimulusSource};
+use crate::faults::{BrokenSensors, Script};
+use chip_models::{Sensor, Stimulus, StimulusSource};
 
 /// Steps that are kept: 0.5 ms or more each, 32 ms. The longest delay of a chip's filter is 19 ms.
 const KEPT: usize = 64;
 
 /// The newest steps of a flight, shared between the simulation and the chips.
 #[derive(Debug)]
-pub(super) struct SensedMotion(Mutex<VecDeque<(u64, Stimulus)>>);
+pub(super) struct SensedMotion {
+    newest: Mutex<VecDeque<(u64, Stimulus)>>,
+    broken: BrokenSensors,
+}
 
 impl SensedMotion {
     /// Nothing but a first instant.
-    pub(super) fn new(at_ns: u64, first: Stimulus) -> Self {
+    pub(super) fn new(at_ns: u64, first: Stimulus, faults: &Script) -> Self {
         let mut steps = VecDeque::with_capacity(KEPT + 1);
         steps.push_back((at_ns, first));
-        Self(Mutex::new(steps))
+        Self {
+            newest: Mutex::new(steps),
+            broken: BrokenSensors::of(faults),
+        }
     }
 
     /// What is sensed at a later instant than any before.
@@ -33,7 +40,7 @@ impl SensedMotion {
     }
 
     fn steps(&self) -> MutexGuard<'_, VecDeque<(u64, Stimulus)>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.newest.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The steps around an instant, and how far it is from the first to the second.
@@ -76,6 +83,10 @@ impl StimulusSource for SensedMotion {
             between(from.specific_force, to.specific_force, share)
         })
     }
+
+    fn delivered(&self, of: Sensor, at_ns: u64, reading: [f64; 3]) -> [f64; 3] {
+        self.broken.delivered(of, at_ns, reading)
+    }
 }
 
 #[cfg(test)]
@@ -91,7 +102,7 @@ mod tests {
 
     #[test]
     fn between_two_steps_signals_are_straight_and_outside_of_all_they_are_held() {
-        let motion = SensedMotion::new(1000, turning(1.0));
+        let motion = SensedMotion::new(1000, turning(1.0), &Script::default());
         motion.push(2000, turning(3.0));
         for (at_ns, rate) in [(0, 1.0), (1000, 1.0), (1250, 1.5), (2000, 3.0), (9000, 3.0)] {
             assert_eq!(motion.gyro(at_ns), [rate, 0.0, -rate], "{at_ns}");
@@ -101,7 +112,7 @@ mod tests {
 
     #[test]
     fn only_the_newest_steps_are_kept() {
-        let motion = SensedMotion::new(0, turning(0.0));
+        let motion = SensedMotion::new(0, turning(0.0), &Script::default());
         for step in 1..=1000u32 {
             motion.push(u64::from(step) * 500, turning(f64::from(step)));
         }

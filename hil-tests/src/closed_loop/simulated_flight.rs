@@ -9,6 +9,7 @@ use reflex::reactive::Phase;
 use super::contention::Processor;
 use super::desired::Desired;
 use super::emulated::FlyingEmulatedBoard;
+use super::fault_watch::FaultWatch;
 use super::flying_board::{Applied, FlyingBoard, TimedRan};
 use super::measures::Measures;
 use super::mission::{Course, Target};
@@ -17,6 +18,7 @@ use super::station::{Station, TAKE_OFF_NS};
 use super::track::{KEPT_NS, Moment};
 use super::world::{LONGEST_STEP_NS, World};
 use super::{FlyOptions, Flyer, Scene};
+use crate::faults::Fault;
 use crate::logics::Start;
 use crate::record::motor_timers::update_period_ns;
 use chip_models::{ChipOptions, StimulusSource};
@@ -35,6 +37,8 @@ pub(super) struct SimulatedFlight<'o> {
     station: Station,
     processor: Processor,
     pub(super) measures: Measures,
+    /// Where something is to break.
+    pub(super) watch: Option<FaultWatch>,
     pub(super) track: Vec<Moment>,
     pub(super) scored: Option<Scored>,
     pub(super) now_ns: u64,
@@ -58,7 +62,12 @@ impl<'o> SimulatedFlight<'o> {
         let seed = u64::from(options.settings.seed);
         let mut vehicle = scene.vehicle.clone();
         vehicle.inertia_kg_m2 = vehicle.inertia_kg_m2.map(|axis| axis / options.stress.gain);
-        let world = World::new((&vehicle, &scene.airframe), &scene.environment, seed)?;
+        let world = World::new(
+            (&vehicle, &scene.airframe),
+            &scene.environment,
+            seed,
+            &options.faults,
+        )?;
         let source: Arc<dyn StimulusSource> = Arc::clone(&world.sensed) as _;
         let start = Start {
             settings: options.settings,
@@ -72,10 +81,19 @@ impl<'o> SimulatedFlight<'o> {
             ..ChipOptions::default()
         };
         let board: Box<dyn FlyingBoard> = match flyer {
-            Flyer::Native => Box::new(FlyingNativeBoard::boot(&start, &source, chips)),
-            Flyer::Emulated(core) => {
-                Box::new(FlyingEmulatedBoard::boot(&core, &start, &source, chips)?)
-            }
+            Flyer::Native => Box::new(FlyingNativeBoard::boot(
+                &start,
+                &source,
+                chips,
+                &options.faults,
+            )),
+            Flyer::Emulated(core) => Box::new(FlyingEmulatedBoard::boot(
+                &core,
+                &start,
+                &source,
+                chips,
+                &options.faults,
+            )?),
         };
         let flies_to_goals = start.logic().flies_to_goals();
         Ok(Self {
@@ -83,9 +101,10 @@ impl<'o> SimulatedFlight<'o> {
             world,
             board,
             course: Course::new(options.mission, scene.environment.area_m, seed),
-            station: Station::new(flies_to_goals, &scene.tracking, seed),
+            station: Station::new(flies_to_goals, &scene.tracking, seed).under(&options.faults),
             processor: Processor::new(options.contention, seed),
             measures: Measures::default(),
+            watch: options.faults.begins_ns().map(FaultWatch::new),
             track: Vec::new(),
             scored: None,
             now_ns: 0,
@@ -106,6 +125,7 @@ impl<'o> SimulatedFlight<'o> {
 
     pub(super) fn step(&mut self) -> Result<()> {
         let next_ns = self.next_ns();
+        self.break_things(next_ns);
         self.world.advance_to(next_ns)?;
         self.board.run_until(next_ns)?;
         let passes = |mark_ns: u64| next_ns / mark_ns > self.now_ns / mark_ns;
@@ -121,12 +141,31 @@ impl<'o> SimulatedFlight<'o> {
             let since_s = (at_ns as f64 - TAKE_OFF_NS as f64) * 1e-9;
             let scored = self.scored.is_some();
             let quantum = self.options.settings.quantum;
+            if let Some(watch) = &mut self.watch {
+                watch.ran(&(at_ns, ran));
+            }
             self.measures.ran(&ran, since_s, scored, quantum);
+        }
+        if let Some(watch) = &mut self.watch {
+            watch.look(next_ns, self.board.as_ref(), self.world.drone());
         }
         if looks {
             self.look(keeps && next_ns >= TAKE_OFF_NS);
         }
         Ok(())
+    }
+
+    /// What the script says of the step to an instant.
+    fn break_things(&mut self, next_ns: u64) {
+        let faults = &self.options.faults;
+        if faults.is_empty() {
+            return;
+        }
+        self.world.wear(faults);
+        let begins = |fault: &&Fault| (self.now_ns..next_ns).contains(&fault.from_ns);
+        for fault in faults.iter().filter(begins) {
+            self.board.strike(fault.effect);
+        }
     }
 
     /// Where the next step ends: at an update event of the motors' timers, and before any command
@@ -204,7 +243,9 @@ impl<'o> SimulatedFlight<'o> {
     fn begins_to_count(&self) -> bool {
         match self.options.scored_from_s {
             Some(from_s) => self.since_take_off_s() >= from_s,
-            None => self.since_take_off_s() >= UP_S && self.board.phase() != Phase::WarmUp,
+            None => {
+                self.since_take_off_s() >= UP_S && self.board.telemetry().phase != Phase::WarmUp
+            }
         }
     }
 

@@ -29,6 +29,7 @@ fn options(logic: LogicName, policy: Policy, seed: u32) -> FlyOptions {
         duration_s: 30.0,
         scored_from_s: None,
         stress: Stress::default(),
+        faults: Script::default(),
         contention: Contention::default(),
     }
 }

@@ -14,6 +14,7 @@ use reflex_config::{Airframe, Spin};
 
 use super::flying_board::Applied;
 use super::sensed_motion::SensedMotion;
+use crate::faults::{Effect, Script};
 use chip_models::Stimulus;
 
 /// Longest step of the dynamics, ns.
@@ -37,6 +38,8 @@ pub(super) struct World {
     now_ns: u64,
     commands: VecDeque<Applied>,
     throttles: Vec<f64>,
+    /// Inner resistance of the battery while it is sound, ohm.
+    resistance: f64,
 }
 
 impl World {
@@ -48,11 +51,12 @@ impl World {
         (vehicle, airframe): (&Vehicle, &Airframe),
         environment: &Environment,
         seed: u64,
+        faults: &Script,
     ) -> Result<Self> {
         let vehicle = vehicle_of(vehicle, airframe);
         let weather = weather_of(environment, seed);
         let drone = Drone::new(&vehicle, Start::default(), &weather)?;
-        let sensed = Arc::new(SensedMotion::new(0, stimulus(&drone)));
+        let sensed = Arc::new(SensedMotion::new(0, stimulus(&drone), faults));
         Ok(Self {
             wind: dynamics::Wind::new(&weather, seed)?,
             air: Vector3::zeros(),
@@ -60,8 +64,27 @@ impl World {
             now_ns: 0,
             commands: VecDeque::new(),
             throttles: vec![0.0; airframe.motors.len()],
+            resistance: vehicle.battery.resistance,
             drone,
         })
+    }
+
+    /// Motors and battery are as a script says for now.
+    pub(super) fn wear(&mut self, faults: &Script) {
+        let mut strengths = vec![1.0; self.throttles.len()];
+        let (mut charge, mut resistance) = (1.0, self.resistance);
+        for fault in faults.now(self.now_ns) {
+            match fault.effect {
+                Effect::Motor(motor, share) => strengths[motor] = share,
+                Effect::Charge(share) => charge = share,
+                Effect::Resistance(factor) => resistance = self.resistance * factor,
+                _ => {}
+            }
+        }
+        for (motor, share) in strengths.into_iter().enumerate() {
+            self.drone.weaken(motor, share);
+        }
+        self.drone.wear_battery(charge, resistance);
     }
 
     /// A command that will apply; later ones are given later.
@@ -242,7 +265,13 @@ mod tests {
         let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("../config");
         let (vehicle, airframe) = Vehicle::load(&config, "quad_x").unwrap();
         let environment = Environment::load(&config, environment).unwrap();
-        World::new((&vehicle, &airframe), &environment, seed).unwrap()
+        World::new(
+            (&vehicle, &airframe),
+            &environment,
+            seed,
+            &Script::default(),
+        )
+        .unwrap()
     }
 
     #[test]

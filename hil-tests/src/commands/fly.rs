@@ -10,6 +10,7 @@ use super::flight_numbers::CLOCK;
 use super::settings_arguments::refused;
 use super::simulated_arguments::SimulatedArguments;
 use crate::closed_loop::{self, Core, FlyOptions, Flyer, Scene, plot, report};
+use crate::faults::Script;
 use crate::firmware::Firmware;
 use crate::json::to_json;
 use crate::output_file::OutputFile;
@@ -23,6 +24,9 @@ pub(super) struct FlyArguments {
     /// Fly the same code on this computer, without firmware and emulator: 100 times as fast
     #[arg(long)]
     native: bool,
+    /// Break things in flight, as a script says: TOML, see docs/simulation.md
+    #[arg(long, value_name = "FILE")]
+    faults: Option<PathBuf>,
     /// Draw the flight to this SVG file
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -33,8 +37,12 @@ pub(super) struct FlyArguments {
 
 /// Flies, then prints the report. A crash is reported, and fails the command.
 pub(super) fn run(arguments: &FlyArguments) -> Result<()> {
-    let options = arguments.options()?;
+    let mut options = arguments.options()?;
     let scene = arguments.flight.scene()?;
+    if let Some(file) = &arguments.faults {
+        let limits = closed_loop::limits_of(&scene, options.duration_s, arguments.native);
+        options.faults = Script::read(file, &limits)?;
+    }
     let mut bar = Bar::new();
     let flown = arguments.fly(&scene, &options, &mut bar);
     bar.finish();

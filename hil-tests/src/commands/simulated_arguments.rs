@@ -13,6 +13,7 @@ use super::quantities::number;
 use super::settings_arguments::SettingsArguments;
 use crate::closed_loop::contention::{Contention, Scheduler};
 use crate::closed_loop::{FlyOptions, Mission, Scene, Stress};
+use crate::faults::Script;
 use crate::refusal::Refusal;
 use chip_models::ZeroRate;
 
@@ -78,6 +79,7 @@ impl SimulatedArguments {
                     warm_up_c: numbers.get(WARM_UP)?,
                 },
             },
+            faults: Script::default(),
             contention: Contention {
                 jitter_s: numbers.get(JITTER)?,
                 late_share: numbers.get(LATE_SHARE)?,

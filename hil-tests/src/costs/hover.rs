@@ -10,6 +10,7 @@ use super::budget::Budget;
 use super::table::Cost;
 use crate::closed_loop::contention::Contention;
 use crate::closed_loop::{FlyOptions, Mission, Scene, Stress};
+use crate::faults::Script;
 use crate::firmware::Firmware;
 use crate::logics::LogicName;
 use crate::profile;
@@ -33,6 +34,7 @@ pub(super) fn measure(firmware: &Firmware, progress: &mut dyn Progress) -> Resul
         duration_s: LENGTH_S,
         scored_from_s: Some(FROM_S),
         stress: Stress::default(),
+        faults: Script::default(),
         contention: Contention::default(),
     };
     let mhz = (CORE_HZ / 1_000_000) as u32;

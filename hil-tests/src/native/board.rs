@@ -29,10 +29,23 @@ use super::timing::{
 };
 use super::vectors::{Outputs, Vectors};
 use super::wires::{BusTime, DieWire, I2cBus, Spi, Wire};
+use crate::faults::{Chip, Effect, Script};
 use crate::ground_station::LinkFrame;
 use crate::logics::{AnyLogic, Start};
 use crate::record::{ChipState, OfChips};
 use chip_models::{ChipOptions, DIES, Mpu6050, StimulusSource};
+use emulated_board::Disturbance;
+
+/// The one fault of a bus that is played here.
+const SILENCE: Effect = Effect::Bus(Disturbance::NoAcknowledge);
+/// The MPU6050's register of the gyroscope's range.
+const GYRO_CONFIG: u8 = 0x1B;
+
+/// A bit of the gyroscope's range turns over by itself.
+pub(crate) fn flip_bit(imu: &mut Mpu6050, now_ns: u64, bit: u8) {
+    let value = imu.register(GYRO_CONFIG) ^ (1 << (bit & 7));
+    imu.corrupt(now_ns, GYRO_CONFIG, value);
+}
 
 /// Every call with its stamp.
 #[derive(Debug, Default)]
@@ -101,6 +114,7 @@ impl NativeBoard {
         let imu_bus = I2cBus {
             wire: imu.clone(),
             time: BusTime::default(),
+            silences: Vec::new(),
         };
         let mut board = Self {
             pilot: start.autopilot(Calls::default()),
@@ -187,6 +201,30 @@ impl NativeBoard {
     /// Everything that was called so far; later calls begin anew.
     pub(crate) fn take_calls(&mut self) -> Vec<Stamped> {
         std::mem::take(&mut self.pilot.recorder().0)
+    }
+
+    /// The inertial sensor answers nothing while a script says so.
+    pub(crate) fn disturb(&mut self, faults: &Script) {
+        let silences = faults.iter().filter(|fault| fault.effect == SILENCE);
+        self.imu_bus.silences = silences.copied().collect();
+    }
+
+    /// A chip breaks now, where an effect is that of a chip.
+    pub(crate) fn strike(&mut self, effect: Effect) {
+        let now_ns = self.now_ns;
+        match effect {
+            Effect::BrownOut(Chip::Imu) => self.imu.with(|wired| wired.chip.brown_out(now_ns)),
+            Effect::BrownOut(Chip::Die(place)) => {
+                self.dies[place].with(|wired| wired.chip.brown_out(now_ns));
+            }
+            Effect::FlippedBit(bit) => {
+                self.imu
+                    .with(|wired| flip_bit(&mut wired.chip, now_ns, bit));
+            }
+            _ => return,
+        }
+        self.watch_imu();
+        self.watch_chips();
     }
 
     /// Sends a frame, behind those that were given before.

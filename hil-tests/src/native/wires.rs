@@ -12,6 +12,7 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::{self, ErrorKind, I2c, NoAcknowledgeSource};
 use embedded_hal::spi::{self, SpiDevice};
 
+use crate::faults::Fault;
 use chip_models::{Chip, I2cChip, Mpu6050, OwnClock, SpiChip};
 
 /// A byte on SPI at 5.25 MHz, with the instructions around it, ns.
@@ -186,6 +187,8 @@ impl SpiDevice for Spi {
 pub(super) struct I2cBus {
     pub(super) wire: Wire<Mpu6050>,
     pub(super) time: BusTime,
+    /// While one of them holds nobody acknowledges.
+    pub(super) silences: Vec<Fault>,
 }
 
 impl i2c::ErrorType for I2cBus {
@@ -201,7 +204,9 @@ impl I2cBus {
     ) -> bool {
         let read = matches!(operation, i2c::Operation::Read(_));
         let started_ns = self.time.pass(I2C_CONDITION_NS);
-        if !wired.chip.start(started_ns, address, read) {
+        if self.silences.iter().any(|fault| fault.holds(started_ns))
+            || !wired.chip.start(started_ns, address, read)
+        {
             return false;
         }
         self.time.pass(I2C_BYTE_NS);

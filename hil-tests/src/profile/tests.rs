@@ -3,6 +3,7 @@
 use super::*;
 use crate::closed_loop::contention::Contention;
 use crate::closed_loop::{Mission, Stress};
+use crate::faults::Script;
 use crate::json::to_json;
 use crate::logics::LogicName;
 use crate::progress::Silent;
@@ -38,6 +39,7 @@ fn a_profiled_flight_is_the_same_flight_and_adds_up() {
         duration_s: 3.0,
         scored_from_s: Some(1.0),
         stress: Stress::default(),
+        faults: Script::default(),
         contention: Contention::default(),
     };
     let firmware = Firmware::build(options.gains.logic(), &mut Silent).unwrap();

@@ -7,7 +7,7 @@ use crate::filter::LowPass;
 use crate::noise::{Noise, Stream};
 use crate::options::ChipOptions;
 use crate::oscillator::{self, Ticker};
-use crate::stimulus::{STANDARD_GRAVITY, StimulusSource};
+use crate::stimulus::{STANDARD_GRAVITY, Sensor, StimulusSource};
 
 /// Tolerance of the data rate. The datasheet gives none: typical of the family.
 const TOLERANCE: f64 = 0.05;
@@ -83,7 +83,7 @@ impl Sampler {
             if due {
                 return Some(Sample {
                     at_ns,
-                    codes: self.codes(setup),
+                    codes: self.codes(at_ns, setup),
                 });
             }
         }
@@ -115,13 +115,14 @@ impl Sampler {
         };
     }
 
-    fn codes(&mut self, setup: &Setup) -> [i16; 3] {
+    fn codes(&mut self, at_ns: u64, setup: &Setup) -> [i16; 3] {
         let rate_hz = setup.rate_hz.unwrap_or(0.0);
         let bandwidth = match setup.mode {
             Mode::HighResolution => rate_hz / 9.0,
             Mode::Normal | Mode::LowPower => rate_hz / 2.0,
         };
         let force = self.noise.add(self.force, NOISE_DENSITY * bandwidth.sqrt());
+        let force = self.source.delivered(Sensor::Accelerometer, at_ns, force);
         let mut codes = [0; 3];
         for (axis, code) in codes.iter_mut().enumerate() {
             if setup.axes[axis] {

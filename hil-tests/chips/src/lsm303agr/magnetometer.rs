@@ -21,7 +21,7 @@ use crate::noise::{Noise, Stream, symmetric_axes};
 use crate::options::ChipOptions;
 use crate::oscillator::{self, Ticker};
 use crate::own_clock::OwnClock;
-use crate::stimulus::StimulusSource;
+use crate::stimulus::{Sensor, StimulusSource};
 
 /// Tolerance of the data rate. The datasheet gives none: typical of the family.
 const TOLERANCE: f64 = 0.05;
@@ -159,6 +159,7 @@ impl Magnetometer {
         };
         let field = self.smooth(self.with_own(field, at_ns));
         let field = self.noise.add(field, NOISE_GAUSS);
+        let field = self.source.delivered(Sensor::Magnetometer, at_ns, field);
         let counts = field.map(|axis| (axis / map::GAUSS_PER_COUNT).round());
         let range_exceeded = counts.iter().any(|count| count.abs() > f64::from(i16::MAX));
         // A float-to-integer cast saturates: that is the converter's clipping.

@@ -17,7 +17,7 @@ use crate::filter::LowPass;
 use crate::noise::{Noise, Stream, symmetric_axes};
 use crate::options::{ChipOptions, Present, ZeroRate};
 use crate::oscillator::{self, Ticker};
-use crate::stimulus::{STANDARD_GRAVITY, StimulusSource};
+use crate::stimulus::{STANDARD_GRAVITY, Sensor, StimulusSource};
 
 /// Internal rate of the gyroscope's converter, Hz.
 const GYRO_RATE: f64 = 8000.0;
@@ -202,7 +202,8 @@ impl Sampler {
         let sigma = GYRO_NOISE_DENSITY * (GYRO_RATE / 2.0).sqrt();
         let rate = self.gyro_noise.add(rate, sigma);
         let rate = rate.map(|axis| axis.clamp(-limit, limit));
-        self.gyro = self.gyro_channel.filter.step(rate);
+        let rate = self.gyro_channel.filter.step(rate);
+        self.gyro = self.source.delivered(Sensor::Gyroscope, at_ns, rate);
     }
 
     /// What the gyroscope shows at rest, deg/s.
@@ -234,7 +235,8 @@ impl Sampler {
         let sigma = ACCEL_NOISE_DENSITY * 500.0_f64.sqrt();
         let force = self.accel_noise.add(force, sigma);
         let force = force.map(|axis| axis.clamp(-limit, limit));
-        self.accel = self.accel_channel.filter.step(force);
+        let force = self.accel_channel.filter.step(force);
+        self.accel = (self.source).delivered(Sensor::ImuAccelerometer, at_ns, force);
     }
 
     /// Temperature of the die at `at_ns`, degrees Celsius.

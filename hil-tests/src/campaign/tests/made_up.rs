@@ -58,6 +58,7 @@ pub(in crate::campaign) fn landed(role: Role, seed: u32, pitch: f64) -> Landed {
         energy_per_minute_j: Some(8000.0),
         flight_time_s: Some(1300.0),
         wind_m_s: Some(0.3),
+        faults: None,
         digest: "00".into(),
     };
     let job = Job {

@@ -29,6 +29,7 @@ const LAYERS: [Layers; 2] = [
         layers: &[
             &[
                 "clock",
+                "faults",
                 "ground_station",
                 "json",
                 "output_file",
@@ -46,7 +47,7 @@ const LAYERS: [Layers; 2] = [
             &["firmware"],
             &["native", "record"],
             &["closed_loop", "replay"],
-            &["profile", "sweep"],
+            &["profile", "scenarios", "sweep"],
             &["costs"],
             &["campaign"],
             &["commands"],

@@ -12,6 +12,7 @@ use crate::closed_loop::report::FlightReport;
 use crate::costs::Costs;
 use crate::picture::GraphData;
 use crate::profile::Profile;
+use crate::scenarios::Scenarios;
 use crate::scoring::Report;
 use crate::sweep::SweepReport;
 
@@ -49,6 +50,7 @@ pub(super) fn page() -> String {
             "campaign",
             "Improvements are of pairs of flights under the same seed.",
         ),
+        section::<Scenarios>("faults", "What came of every scenario."),
         section::<Costs>("bench", "Counts of the emulated core."),
         section::<Profile>("profile", PROFILE),
         section::<GraphData>("graph", "A control logic as a graph."),

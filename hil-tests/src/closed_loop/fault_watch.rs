@@ -1,0 +1,132 @@
+//! What a flight does behind the instant at which something breaks.
+
+use flight_dynamics::Drone;
+use reflex::app::{Fault, Telemetry};
+use reflex::safety::FlightState;
+
+use super::fault_report::{FaultReport, Outcome};
+use super::flying_board::{FlyingBoard, TimedRan};
+
+/// Watches one flight.
+pub(super) struct FaultWatch {
+    from_ns: u64,
+    /// What the flight had shown before the first fault.
+    usual: Option<Usual>,
+    detected: Option<(u64, String)>,
+    states: Vec<FlightState>,
+    largest_tilt: f64,
+    /// How it ended, once it has.
+    ended: Option<Outcome>,
+    bad_commands: u64,
+    last_run_ns: Option<u64>,
+    longest_gap_ns: u64,
+}
+
+/// What is no news.
+#[derive(Clone)]
+struct Usual {
+    counts: [u32; Fault::COUNT],
+    telemetry: Telemetry,
+}
+
+impl FaultWatch {
+    /// Watches from the first fault on.
+    pub(super) fn new(from_ns: u64) -> Self {
+        Self {
+            from_ns,
+            usual: None,
+            detected: None,
+            states: Vec::new(),
+            largest_tilt: 0.0,
+            ended: None,
+            bad_commands: 0,
+            last_run_ns: None,
+            longest_gap_ns: 0,
+        }
+    }
+
+    /// A run of control.
+    pub(super) fn ran(&mut self, (at_ns, ran): &TimedRan) {
+        let is_share = |share: &f32| (0.0..=1.0).contains(share);
+        self.bad_commands += u64::from(!ran.shares.iter().all(is_share));
+        if self.ended.is_none() {
+            let before_ns = self.last_run_ns.replace(*at_ns);
+            let gap_ns = before_ns.map_or(0, |before_ns| at_ns.saturating_sub(before_ns));
+            if *at_ns >= self.from_ns {
+                self.longest_gap_ns = self.longest_gap_ns.max(gap_ns);
+            }
+        }
+    }
+
+    /// A step of the flight has ended.
+    pub(super) fn look(&mut self, now_ns: u64, board: &dyn FlyingBoard, drone: &Drone) {
+        let telemetry = board.telemetry();
+        let counts = Fault::ALL.map(|fault| board.counted(fault));
+        let Some(usual) = self.usual.as_ref().filter(|_| now_ns > self.from_ns) else {
+            self.usual = Some(Usual { counts, telemetry });
+            return;
+        };
+        if self.ended.is_some() {
+            return;
+        }
+        let tilt = drone.state().tilt().to_degrees();
+        self.largest_tilt = self.largest_tilt.max(tilt);
+        if self.detected.is_none() {
+            let news = usual.news(&counts, &telemetry);
+            self.detected = news.map(|news| (now_ns, news));
+        }
+        if self.states.last() != Some(&telemetry.state) {
+            self.states.push(telemetry.state);
+        }
+        let is_armed = !matches!(
+            telemetry.state,
+            FlightState::Calibrating | FlightState::Disarmed | FlightState::Testing
+        );
+        self.ended = if drone.crash().is_some() || drone.upset().is_some() {
+            Some(Outcome::Crashed)
+        } else if is_armed {
+            // A gap that no run ends counts too.
+            let since_ns = now_ns.saturating_sub(self.last_run_ns.unwrap_or(now_ns));
+            self.longest_gap_ns = self.longest_gap_ns.max(since_ns);
+            None
+        } else if drone.is_on_ground() {
+            Some(Outcome::Landed)
+        } else {
+            Some(Outcome::Cut)
+        };
+    }
+
+    /// What came of it.
+    pub(super) fn report(&self) -> FaultReport {
+        let since_ms = |at_ns: u64| (at_ns - self.from_ns) as f64 * 1e-6;
+        let detected = self.detected.as_ref();
+        FaultReport {
+            detected_ms: detected.map(|(at_ns, _)| since_ms(*at_ns)),
+            detected_by: detected.map(|(_, news)| news.clone()),
+            states: (self.states.iter())
+                .map(|state| format!("{state:?}"))
+                .collect(),
+            largest_tilt_deg: self.largest_tilt,
+            outcome: self.ended.unwrap_or(Outcome::Flies),
+            bad_commands: self.bad_commands,
+            longest_gap_ms: self.longest_gap_ns as f64 * 1e-6,
+        }
+    }
+}
+
+impl Usual {
+    /// What the flight had not shown before: a kind of fault that was never counted, another state, another phase.
+    ///
+    /// Kinds that were counted before are no news: some are in every flight in wind.
+    fn news(&self, counts: &[u32], telemetry: &Telemetry) -> Option<String> {
+        let mut kinds = Fault::ALL.iter().zip(self.counts.iter().zip(counts));
+        let new = kinds.find(|(_, (before, now))| **before == 0 && **now > 0);
+        if let Some((fault, _)) = new {
+            return Some(format!("{fault:?}"));
+        }
+        if telemetry.state != self.telemetry.state {
+            return Some(format!("{:?}", telemetry.state));
+        }
+        (telemetry.phase != self.telemetry.phase).then(|| format!("{:?}", telemetry.phase))
+    }
+}

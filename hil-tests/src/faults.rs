@@ -1,0 +1,13 @@
+//! Faults of a simulated flight: what can break, and scripts that say when.
+//!
+//! [`KINDS`] declares every kind once; reading a script, its refusals and the list of kinds follow from it.
+
+mod distortion;
+mod kinds;
+mod script;
+mod signal;
+
+pub use distortion::{Distortion, Elements};
+pub use kinds::{Chip, Effect, KINDS, Kind, Said, Size, list};
+pub use script::{Entry, Fault, Limits, Script};
+pub use signal::BrokenSensors;

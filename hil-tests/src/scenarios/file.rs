@@ -1,0 +1,104 @@
+//! The files of scenarios: scripts, and what is expected of the flight.
+
+use std::path::PathBuf;
+
+use reflex_config::{ConfigError, Document};
+use serde::Deserialize;
+
+use super::{DURATION_S, ENVIRONMENT};
+use crate::closed_loop::{Outcome, Scene, limits_of};
+use crate::faults::{Entry, Script};
+use crate::toolchain;
+
+/// A scenario as it is written.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Written {
+    pub(super) name: String,
+    #[serde(default = "quad_x")]
+    airframe: String,
+    /// The firmware notices within this, ms; without it, it need not.
+    pub(super) detected_ms: Option<f64>,
+    /// A state that it enters.
+    pub(super) state: Option<String>,
+    /// Endings that are right.
+    pub(super) outcome: Vec<Outcome>,
+    /// Largest tilt on the way there, degrees.
+    pub(super) tilt_deg: Option<f64>,
+    /// Why the firmware is known not to do so.
+    pub(super) weakness: Option<String>,
+    /// Only the emulated board can play it.
+    #[serde(default)]
+    emulated: bool,
+    fault: Vec<Entry>,
+}
+
+fn quad_x() -> String {
+    "quad_x".to_owned()
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    scenario: Vec<Written>,
+}
+
+/// A scenario to fly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    pub(super) written: Written,
+    pub(super) script: Script,
+}
+
+impl Scenario {
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.written.name
+    }
+
+    /// What it breaks, in the words of scripts.
+    #[must_use]
+    pub fn fault(&self) -> String {
+        let faults: Vec<String> = self.written.fault.iter().map(Entry::to_string).collect();
+        faults.join(", ")
+    }
+
+    pub(super) fn airframe(&self) -> &str {
+        &self.written.airframe
+    }
+}
+
+/// All scenarios that a tier can play, in the order of their files.
+///
+/// # Errors
+/// A file that cannot be read, or says what no flight can play: file and line.
+pub fn read_all(is_native: bool) -> anyhow::Result<Vec<Scenario>> {
+    let mut scenarios = Vec::new();
+    for file in files()? {
+        let document = Document::open(&file)?;
+        let content: File = document.parse()?;
+        for (place, written) in content.scenario.into_iter().enumerate() {
+            if is_native && written.emulated {
+                continue;
+            }
+            let scene = Scene::load(ENVIRONMENT, &written.airframe, None)?;
+            let limits = limits_of(&scene, DURATION_S, is_native);
+            let error = |fault: usize, key: &str, line| -> ConfigError {
+                document.error_at(&format!("scenario.{place}.fault.{fault}.{key}"), line)
+            };
+            let script = Script::checked(&written.fault, &limits, error)?;
+            scenarios.push(Scenario { written, script });
+        }
+    }
+    Ok(scenarios)
+}
+
+fn files() -> std::io::Result<Vec<PathBuf>> {
+    let folder = toolchain::root().join("hil-tests/scenarios");
+    let entries = std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path()));
+    let mut files: Vec<PathBuf> = entries.collect::<std::io::Result<_>>()?;
+    files.retain(|file| file.extension().is_some_and(|end| end == "toml"));
+    files.sort();
+    Ok(files)
+}

@@ -1,0 +1,35 @@
+//! Every scenario that needs no wires ends as its file says, natively.
+
+use hil_tests::closed_loop::Flyer;
+use hil_tests::logics::LogicName;
+use hil_tests::progress::Silent;
+use hil_tests::scenarios::{Scenarios, fly_all, read_all};
+use rayon::prelude::*;
+
+fn flown(seed: u32) -> Scenarios {
+    let scenarios = read_all(true).unwrap();
+    assert!(scenarios.len() >= 50, "{}", scenarios.len());
+    let of = (LogicName::configured(), seed);
+    fly_all(&scenarios, of, Flyer::Native, &mut Silent).unwrap()
+}
+
+#[test]
+fn every_scenario_ends_as_its_file_says() {
+    let flown = flown(1);
+    assert!(
+        flown.surprises().is_empty(),
+        "{:?}\n{}",
+        flown.surprises(),
+        flown.table()
+    );
+}
+
+#[test]
+fn no_command_is_out_of_range_and_no_run_missing_with_other_seeds() {
+    let failed = (2..=5).into_par_iter().flat_map_iter(|seed| {
+        let flown = flown(seed).scenarios.into_iter();
+        let missed = flown.flat_map(|report| report.missed);
+        missed.filter(|line| line.contains("bad commands") || line.contains("without a run"))
+    });
+    assert_eq!(failed.collect::<Vec<_>>(), Vec::<String>::new());
+}
