@@ -17,7 +17,7 @@ const MOST_PAID: usize = CHECKSUMS * LONGEST_FRAME;
 ///
 /// Holds at most one frame of 280 bytes, and looks at it only where another byte can tell
 /// something new: once it is known to be one, and once it is complete. Each byte read pays for
-/// checksums over [`CHECKSUMS`] bytes: where starts of frames lie within frames that prove wrong, over
+/// checksums over `CHECKSUMS` bytes: where starts of frames lie within frames that prove wrong, over
 /// and over, the next is skipped whole.
 pub struct Parser {
     held: Held,
