@@ -96,7 +96,7 @@ scenarios! {
     scl_is_held_for_50_ms: [ClockHeld], FROM_NS, 50 * MS, 3.0, Some(5.0);
     scl_is_held_for_ever: [ClockHeld], FROM_NS, FOR_EVER, 3.0, None;
     both_wires_are_held_for_50_ms: [DataHeld, ClockHeld], FROM_NS, 50 * MS, 3.0, Some(5.0);
-    a_stream_fails_for_3_ms: [DmaError], FROM_NS, 3 * MS, 2.0, Some(5.0);
+    a_stream_fails_for_3_ms: [DmaError], FROM_NS, 3 * MS, 3.0, Some(5.0);
     a_stream_that_stops_late_when_cut_off_raises_no_storm:
         [ClockHeld, DmaLate { by_ns: 200_000 }], FROM_NS, 3 * MS, 3.0, Some(5.0);
     the_line_is_stuck_high:

@@ -71,7 +71,11 @@ fn check_that_state_does_not_stray(logic: LogicName) {
     let flown = [(1, Asked::Own), (1, Asked::Level), (2, Asked::Level)];
     let all: Vec<Flight> = flown
         .into_iter()
-        .flat_map(|(seed, asked)| flights(seed, LENGTH_S, asked))
+        .flat_map(|(seed, asked)| {
+            let flown = flights(seed, LENGTH_S, asked).into_iter();
+            // A body that stays upside down, though level is asked for, is upset: motors are cut.
+            flown.filter(move |flight| asked == Asked::Own || !flight.name.starts_with("split-S"))
+        })
         .collect();
     let felt: Vec<Felt> = (all.par_iter())
         .map(|flight| Felt::of(flight, logic))
