@@ -27,7 +27,7 @@ use heading::Heading;
 pub use signal::Condition;
 use signal::{Judged, Range, Signal};
 
-/// Of rates, in rad/s: the range ends at 2000 deg/s; a spinning body comes to 500 rad/s2.
+/// Of rates, in rad/s: the range ends at 2000 deg/s; a body that spins up reaches 500 rad/s2.
 const RATES: Range = Range {
     rail: 34.7,
     step: 4.0,

@@ -143,7 +143,7 @@ impl Sender {
         self.frame(COMMAND_ACK_DATA::ID, COMMAND_ACK_DATA::EXTRA_CRC, &payload)
     }
 
-    /// STATUSTEXT: what happened, for whoever listens.
+    /// STATUSTEXT: tells every station what happened.
     pub fn notice(&mut self, notice: &Notice) -> Frame {
         let mut payload = [0; STATUSTEXT_LENGTH];
         let fields = [notice.severity() as u8].into_iter().chain(notice.line());

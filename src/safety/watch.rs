@@ -81,7 +81,7 @@ impl Watch {
     /// A state begins.
     pub fn begin(&mut self, state: FlightState, now: Instant) {
         self.since = now;
-        // What lasts in the air goes on, whoever says what is flown.
+        // A landing or an upset under way goes on counting in the next state of the air.
         if !state.is_in_the_air() {
             self.landed = Lasting::default();
             self.upset = Lasting::default();

@@ -90,7 +90,7 @@ impl Heading {
         self.take_bent(at, field)
     }
 
-    /// True where an error is one that the heading can have come to since the last.
+    /// True where the heading can have changed by so much since the last error.
     fn follows(&self, at: Instant, error: f32) -> bool {
         self.error.is_none_or(|(before, last)| {
             wrapped(error - last).abs() <= JUMP + DRIFT * seconds(span(before, at))

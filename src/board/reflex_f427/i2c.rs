@@ -27,7 +27,7 @@ const CLOCK_DIVIDER: u16 = 35;
 /// Longest rise time, 300 ns, in periods of the APB1 clock, plus one.
 const RISE_TIME: u8 = 13;
 
-/// What a repair of a chip on the bus came to.
+/// The result of a chip's repair.
 pub type Repaired = Result<(), Error<BusError>>;
 
 /// The peripheral with its two pins.

@@ -127,7 +127,7 @@ fn count(timer: &tim3::RegisterBlock) {
 
 /// Has all motors get the shortest pulse, from the next update event on.
 ///
-/// For what ends the firmware: whoever owns the timers must not run any more.
+/// Only for the end of the firmware: it takes the timers from the task that owns them.
 pub fn stop() {
     let (motors, shortest) = stopped();
     set(motors, shortest);

@@ -178,7 +178,7 @@ impl Engine {
         Some((bus, self.guard.remedy(crate::board::now())))
     }
 
-    /// Takes the bus back, with what its repair came to; silence is counted from here.
+    /// Takes the bus back, and the result of the repair. Silence is counted from here.
     pub fn give_back(&mut self, bus: Bus, repaired: &Repaired) {
         let now = crate::board::now();
         if repaired.is_err() {
