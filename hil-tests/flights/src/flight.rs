@@ -4,11 +4,14 @@ use std::fmt;
 use std::path::Path;
 
 use super::error::{Fault, FlightError};
+use super::formats;
 use super::gaps::{self, Gap};
-use super::recording::{LogFormat, Motors, Recorded, Recording};
+use super::parts::{Flown, Part, Taken, choose};
+use super::recording::{Frame, LogFormat, Motors, Recorded, Recording};
 use super::rotation::{Rotate, Rotation};
+use super::skipped::Skipped;
 use super::track::{SECOND_NS, Track, seconds};
-use super::{csv_log, ulog};
+use super::units::Units;
 use chip_models::stimulus::STANDARD_GRAVITY;
 
 /// Why the log's axes are turned as they are.
@@ -30,6 +33,27 @@ impl fmt::Display for RotationReason {
             Self::Format => "by the log's format",
             Self::SpecificForce => "by the direction of the specific force",
         })
+    }
+}
+
+/// How a log is read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reading {
+    /// How its axes lie in the body's.
+    pub rotate: Rotate,
+    /// Which part of it.
+    pub part: Part,
+    /// Units of a text log that its header does not tell.
+    pub units: Units,
+}
+
+impl From<Rotate> for Reading {
+    /// The longest airborne part.
+    fn from(rotate: Rotate) -> Self {
+        Self {
+            rotate,
+            ..Self::default()
+        }
     }
 }
 
@@ -61,24 +85,30 @@ pub struct Flight {
     pub recorded: Recorded,
     /// Holes in the log.
     pub gaps: Vec<Gap>,
+    /// Which part of the log this is.
+    pub part: Taken,
+    /// What of the log could not be used.
+    pub skipped: Skipped,
+    /// What a user should know of how it was read.
+    pub notes: Vec<String>,
 }
 
 impl Flight {
-    /// Reads a log, ULog or CSV by its content, and turns it.
+    /// Reads a log of any kind, known by its content, and turns it.
     ///
     /// # Errors
-    /// One line with file and place: missing, empty, cut off, of another
-    /// format, without gyroscope or accelerometer, with time stamps that go
-    /// back or values that no sensor gives, under 1 s or over 4 h, under 20 Hz,
+    /// One line with file and place: missing, empty, of a kind that is not read,
+    /// of another vehicle, without gyroscope or accelerometer, with values that no
+    /// sensor gives, a part that is not there, under 1 s or over 4 h, under 20 Hz,
     /// or (CSV and [`Rotate::Auto`]) with axes that cannot be found out.
-    pub fn read(path: &Path, rotate: Rotate) -> Result<Self, FlightError> {
+    pub fn read(path: &Path, reading: impl Into<Reading>) -> Result<Self, FlightError> {
         let name = path
             .file_name()
             .unwrap_or(path.as_os_str())
             .to_string_lossy()
             .into_owned();
         read_bytes(path)
-            .and_then(|bytes| Self::of_bytes(name, &bytes, rotate))
+            .and_then(|bytes| Self::of_bytes(name, &bytes, reading))
             .map_err(|fault| fault.in_file(path))
     }
 
@@ -86,16 +116,31 @@ impl Flight {
     ///
     /// # Errors
     /// As [`Flight::read`], without the file.
-    pub fn of_bytes(name: String, bytes: &[u8], rotate: Rotate) -> Result<Self, Fault> {
-        Self::of_recording(name, recording(bytes)?, rotate)
+    pub fn of_bytes(
+        name: String,
+        bytes: &[u8],
+        reading: impl Into<Reading>,
+    ) -> Result<Self, Fault> {
+        let reading = reading.into();
+        let recording = formats::read(bytes, &reading.units)?;
+        Self::of_recording(name, recording, &reading)
     }
 
-    /// Checks, shifts and turns a recording.
-    fn of_recording(name: String, recording: Recording, rotate: Rotate) -> Result<Self, Fault> {
-        recording.check()?;
-        let log = recording.starting_at_zero();
-        let (rotation, rotation_reason) = rotation(&log, rotate)?;
-        let own_stamps = log.mag.as_ref().filter(|_| log.format == LogFormat::Ulog);
+    /// Checks, cuts, shifts and turns a recording.
+    fn of_recording(name: String, recording: Recording, reading: &Reading) -> Result<Self, Fault> {
+        if let Some(vehicle) = &recording.vehicle.other {
+            let reason =
+                format!("is the log of {vehicle}: only flights of multirotors are replayed");
+            return Err(Fault::whole(reason));
+        }
+        let whole = recording.starting_at_zero();
+        let part = choose(&whole, &Flown::of(&whole), reading.part)?;
+        // Which way is up shows best in the air.
+        let log = whole.part(part.span);
+        log.check()?;
+        let (rotation, rotation_reason) = rotation(&log, reading.rotate)?;
+        let log = log.starting_at_zero();
+        let own_stamps = log.mag.as_ref().filter(|_| log.format != LogFormat::Csv);
         let gaps = gaps::find(&log.gyro, &log.accel, own_stamps);
         let turn = |track: &Track<3>| track.map(|v| rotation.vector(v));
         Ok(Self {
@@ -110,6 +155,9 @@ impl Flight {
             motors: log.motors,
             recorded: turned(log.recorded, rotation),
             gaps,
+            part,
+            skipped: log.skipped,
+            notes: log.notes,
         })
     }
 
@@ -146,51 +194,29 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, Fault> {
     std::fs::read(path).map_err(unreadable)
 }
 
-/// Reads a log by what it starts with.
-fn recording(bytes: &[u8]) -> Result<Recording, Fault> {
-    const LOOK_AT: usize = 1024;
-    if bytes.is_empty() {
-        return Err(Fault::whole("is empty"));
-    }
-    if bytes.starts_with(&ulog::MAGIC) {
-        return ulog::read(bytes);
-    }
-    let start = &bytes[..bytes.len().min(LOOK_AT)];
-    let is_binary = start.contains(&0) || !is_text(start);
-    let is_blackbox = start.starts_with(b"H Product:Blackbox");
-    if is_binary || is_blackbox || start.starts_with(b"ULog") {
-        return Err(Fault::whole(
-            "is neither a ULog (PX4) nor CSV: logs of other autopilots must be converted to CSV",
-        ));
-    }
-    csv_log::read(bytes)
-}
-
-/// True for UTF-8, the last character of which may be cut.
-fn is_text(bytes: &[u8]) -> bool {
-    std::str::from_utf8(bytes).map_or_else(|error| error.error_len().is_none(), |_| true)
-}
-
 /// Chooses the rotation.
 fn rotation(log: &Recording, rotate: Rotate) -> Result<(Rotation, RotationReason), Fault> {
     /// A flying drone's mean is near 1 g; much less means another mounting.
     const CLEAR: f64 = STANDARD_GRAVITY / 3.0;
-    match (rotate, log.format) {
+    match (rotate, log.frame) {
         (Rotate::Named(rotation), _) => return Ok((rotation, RotationReason::Named)),
-        (Rotate::Auto, LogFormat::Ulog) => return Ok((Rotation::NONE, RotationReason::Format)),
-        (Rotate::Auto, LogFormat::Csv) => {}
+        (Rotate::Auto, Frame::Defined(rotation)) => return Ok((rotation, RotationReason::Format)),
+        (Rotate::Auto, Frame::UpOrDown | Frame::ForwardMayBeZ) => {}
     }
     let [x, y, z] = mean_in_flight(log);
-    if z.abs() < CLEAR || z.abs() < x.abs().max(y.abs()) {
-        return Err(Fault::whole(format!(
-            "does not show which way its z axis points (mean specific force {x:.1}, {y:.1}, \
-             {z:.1} m/s2): name the rotation with --rotate"
-        )));
-    }
-    let rotation = if z > 0.0 {
-        Rotation::ROLL_180
-    } else {
-        Rotation::NONE
+    let leads = |axis: f64, others: [f64; 2]| {
+        axis.abs() >= CLEAR && others.iter().all(|other| axis.abs() >= other.abs())
+    };
+    let rotation = match log.frame {
+        _ if leads(z, [x, y]) && z > 0.0 => Rotation::ROLL_180,
+        _ if leads(z, [x, y]) => Rotation::NONE,
+        Frame::ForwardMayBeZ if leads(x, [y, z]) && x > 0.0 => Rotation::PITCH_90,
+        _ => {
+            return Err(Fault::whole(format!(
+                "does not show which way its z axis points (mean specific force {x:.1}, {y:.1}, \
+                 {z:.1} m/s2): name the rotation with --rotate"
+            )));
+        }
     };
     Ok((rotation, RotationReason::SpecificForce))
 }

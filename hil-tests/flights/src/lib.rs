@@ -5,35 +5,42 @@
 //! where it was.
 //!
 //! ```text
-//! log -- csv_log, ulog --> Recording -- check, rotation, gaps --> Flight
-//!                                      Flight -- FlightStimulus --> chips
-//!                                      Flight -- Setpoints, Sightings --> link
+//! log -- packed, formats --> Recording -- parts, check, rotation, gaps --> Flight
+//!                                        Flight -- FlightStimulus --> chips
+//!                                        Flight -- Setpoints, Sightings --> link
 //! ```
 
 mod attitude;
-mod csv_log;
 mod error;
 mod flight;
+mod formats;
 mod gaps;
 mod lowpass;
+mod packed;
+mod parts;
 mod quaternion;
 mod recording;
 pub mod recordings;
 mod rotation;
 mod sample_flight;
+mod samples;
 mod setpoint;
 mod sighting;
+mod skipped;
 mod stimulus;
 mod track;
-mod ulog;
+mod units;
 
 pub use error::{Fault, FlightError, Location};
-pub use flight::{Flight, RotationReason};
+pub use flight::{Flight, Reading, RotationReason};
 pub use gaps::Gap;
-pub use recording::{LogFormat, MAX_MOTORS, Motors, Recorded, Sensor};
+pub use parts::{Evidence, Flown, Part, PartReason, Span, Taken};
+pub use recording::{Dropouts, LogFormat, MAX_MOTORS, Motors, Recorded, Sensor, Vehicle};
 pub use rotation::{Rotate, Rotation, RotationError};
 pub use sample_flight::sample_flight;
 pub use setpoint::{Setpoint, SetpointSource, SetpointSources, Setpoints};
 pub use sighting::{Sighting, Sightings};
+pub use skipped::{Skip, Skipped};
 pub use stimulus::{FlightStimulus, Standstill};
 pub use track::{Track, seconds};
+pub use units::{Units, UnitsError};

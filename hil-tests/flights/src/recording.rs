@@ -1,20 +1,72 @@
 //! What a reader takes from a log, in the log's own axes and time.
 
+use std::fmt;
+
 use super::error::Fault;
+use super::parts::Span;
+use super::rotation::Rotation;
+use super::skipped::Skipped;
 use super::track::{SECOND_NS, Track, seconds};
 
 /// The kinds of logs that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LogFormat {
-    /// Columns of text: `t_us,gx,gy,gz,ax,ay,az[,mx,my,mz][,m1..mN]`.
+    /// Columns of text.
     Csv,
     /// PX4's binary log.
     Ulog,
+    /// The log of Betaflight, Cleanflight and INAV.
+    Blackbox,
+    /// ArduPilot's binary log.
+    Dataflash,
+    /// The log of a Crazyflie's memory card.
+    Usd,
+}
+
+impl fmt::Display for LogFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Csv => "CSV",
+            Self::Ulog => "ULog (PX4)",
+            Self::Blackbox => "Blackbox (Betaflight, Cleanflight, INAV)",
+            Self::Dataflash => "DataFlash (ArduPilot)",
+            Self::Usd => "uSD (Crazyflie)",
+        })
+    }
+}
+
+/// How a format's axes lie in the body's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Frame {
+    /// By the format's definition.
+    Defined(Rotation),
+    /// Its z axis points up or down: the specific force shows which.
+    UpOrDown,
+    /// As above, or its x axis points up and its z axis forward, as in EuRoC's recordings.
+    ForwardMayBeZ,
+}
+
+/// What a log says of the drone that wrote it.
+#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Vehicle {
+    /// Firmware, board and name, as far as they are told.
+    pub description: String,
+    /// What it is, where it is no multirotor.
+    pub other: Option<String>,
+}
+
+/// Messages that the autopilot could not write.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Dropouts {
+    /// How many times it lost some.
+    pub count: u64,
+    /// How long these took together, s, where it is told.
+    pub lost_s: f64,
 }
 
 /// The sensors of a flight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sensor {
     /// Angular rate, rad/s.
@@ -26,6 +78,15 @@ pub enum Sensor {
 }
 
 impl Sensor {
+    /// What it measures.
+    pub(super) fn noun(self) -> &'static str {
+        match self {
+            Self::Gyroscope => "rates",
+            Self::Accelerometer => "specific forces",
+            Self::Magnetometer => "fields",
+        }
+    }
+
     /// Unit of the log's values.
     #[must_use]
     pub fn unit(self) -> &'static str {
@@ -100,6 +161,12 @@ pub struct Recorded {
 pub struct Recording {
     /// Which reader read it.
     pub format: LogFormat,
+    /// Its format, or whose columns it has.
+    pub dialect: String,
+    /// Who flew.
+    pub vehicle: Vehicle,
+    /// How its axes lie in the body's.
+    pub frame: Frame,
     /// Angular rates, rad/s.
     pub gyro: Track<3>,
     /// Specific forces, m/s2.
@@ -110,6 +177,38 @@ pub struct Recording {
     pub motors: Option<Motors>,
     /// The rest.
     pub recorded: Recorded,
+    /// 1 while motors were armed, else 0, where the log tells.
+    pub armed: Option<Track<1>>,
+    /// 1 while the drone stood on the ground, else 0, where the log tells.
+    pub landed: Option<Track<1>>,
+    /// What the autopilot lost.
+    pub dropouts: Dropouts,
+    /// What could not be used.
+    pub skipped: Skipped,
+    /// What a user should know of how it was read.
+    pub notes: Vec<String>,
+}
+
+impl Default for Recording {
+    /// Nothing yet, of a log whose axes are the body's.
+    fn default() -> Self {
+        Self {
+            format: LogFormat::Csv,
+            dialect: String::new(),
+            vehicle: Vehicle::default(),
+            frame: Frame::Defined(Rotation::NONE),
+            gyro: Track::new(),
+            accel: Track::new(),
+            mag: None,
+            motors: None,
+            recorded: Recorded::default(),
+            armed: None,
+            landed: None,
+            dropouts: Dropouts::default(),
+            skipped: Skipped::default(),
+            notes: Vec::new(),
+        }
+    }
 }
 
 /// The shortest flight worth replaying.
@@ -120,16 +219,24 @@ const LONGEST_NS: i64 = 4 * 3600 * SECOND_NS;
 const SLOWEST_HZ: f64 = 20.0;
 
 impl Recording {
+    /// From the first to the last gyroscope sample.
+    #[must_use]
+    pub fn span(&self) -> Option<Span> {
+        Some(Span {
+            from_ns: self.gyro.first_time_ns()?,
+            to_ns: self.gyro.last_time_ns()?,
+        })
+    }
+
     /// Refuses a recording from which no flight can be replayed.
     pub(super) fn check(&self) -> Result<(), Fault> {
-        let (Some(first), Some(last)) = (self.gyro.first_time_ns(), self.gyro.last_time_ns())
-        else {
+        let Some(span) = self.span() else {
             return Err(Fault::whole("has no gyroscope samples"));
         };
         if self.accel.is_empty() {
             return Err(Fault::whole("has no accelerometer samples"));
         }
-        let length = last.saturating_sub(first);
+        let length = span.length_ns();
         if length < SHORTEST_NS {
             return Err(Fault::whole(format!(
                 "is too short: {:.3} s of samples, a replay needs at least {} s",
@@ -139,7 +246,8 @@ impl Recording {
         }
         if length > LONGEST_NS {
             return Err(Fault::whole(format!(
-                "is too long: its time stamps span {:.0} s, a replay takes at most {:.0} s",
+                "is too long: its time stamps span {:.0} s, a replay takes at most {:.0} s: \
+                 choose a part with --from and --to",
                 seconds(length),
                 seconds(LONGEST_NS)
             )));
@@ -151,6 +259,21 @@ impl Recording {
     /// The recording with its first gyroscope sample at time 0.
     pub(super) fn starting_at_zero(self) -> Self {
         let start = self.gyro.first_time_ns().unwrap_or_default();
+        self.timed(&Shift(start))
+    }
+
+    /// A part of it. All signals but the gyroscope's, whose span it is, keep the sample before it and
+    /// the one behind.
+    pub(super) fn part(self, span: Span) -> Self {
+        let gyro = self.gyro.within(span);
+        Self {
+            gyro,
+            ..self.timed(&Around(span))
+        }
+    }
+
+    /// Every track with other times.
+    fn timed(self, change: &impl Retimed) -> Self {
         let Recorded {
             attitude,
             attitude_setpoint,
@@ -159,22 +282,47 @@ impl Recording {
             position,
         } = self.recorded;
         Self {
-            format: self.format,
-            gyro: self.gyro.earlier(start),
-            accel: self.accel.earlier(start),
-            mag: self.mag.map(|t| t.earlier(start)),
+            gyro: change.of(self.gyro),
+            accel: change.of(self.accel),
+            mag: self.mag.map(|track| change.of(track)),
             motors: self.motors.map(|motors| Motors {
                 count: motors.count,
-                track: motors.track.earlier(start),
+                track: change.of(motors.track),
             }),
             recorded: Recorded {
-                attitude: attitude.map(|t| t.earlier(start)),
-                attitude_setpoint: attitude_setpoint.map(|t| t.earlier(start)),
-                rates_setpoint: rates_setpoint.map(|t| t.earlier(start)),
-                thrust_setpoint: thrust_setpoint.map(|t| t.earlier(start)),
-                position: position.map(|t| t.earlier(start)),
+                attitude: attitude.map(|track| change.of(track)),
+                attitude_setpoint: attitude_setpoint.map(|track| change.of(track)),
+                rates_setpoint: rates_setpoint.map(|track| change.of(track)),
+                thrust_setpoint: thrust_setpoint.map(|track| change.of(track)),
+                position: position.map(|track| change.of(track)),
             },
+            armed: self.armed.map(|track| change.of(track)),
+            landed: self.landed.map(|track| change.of(track)),
+            ..self
         }
+    }
+}
+
+/// A change of a signal's times.
+trait Retimed {
+    fn of<const N: usize>(&self, track: Track<N>) -> Track<N>;
+}
+
+/// Everything earlier, ns.
+struct Shift(i64);
+
+impl Retimed for Shift {
+    fn of<const N: usize>(&self, track: Track<N>) -> Track<N> {
+        track.earlier(self.0)
+    }
+}
+
+/// What holds within a span.
+struct Around(Span);
+
+impl Retimed for Around {
+    fn of<const N: usize>(&self, track: Track<N>) -> Track<N> {
+        track.around(self.0)
     }
 }
 

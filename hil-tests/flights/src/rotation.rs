@@ -24,6 +24,8 @@ impl Rotation {
     pub const NONE: Self = Self { steps: [0, 0, 0] };
     /// From forward-left-up to forward-right-down.
     pub const ROLL_180: Self = Self { steps: [4, 0, 0] };
+    /// From up-right-forward to forward-right-down.
+    pub const PITCH_90: Self = Self { steps: [0, 2, 0] };
 
     /// The matrix that takes a vector from the log's axes to the body's.
     #[must_use]
@@ -135,8 +137,8 @@ fn steps_of(degrees: &str) -> Option<u8> {
 /// The rotation a user asks for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rotate {
-    /// None for ULog, whose frame is forward-right-down by definition; for CSV
-    /// `roll180` where the flight shows that the log's z axis points up.
+    /// That of the format; for CSV `roll180` where the flight shows that the log's
+    /// z axis points up.
     #[default]
     Auto,
     /// This one, without a look at the log.

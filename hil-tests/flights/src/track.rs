@@ -5,6 +5,8 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use super::parts::Span;
+
 /// Nanoseconds per second.
 pub(super) const SECOND_NS: i64 = 1_000_000_000;
 
@@ -53,6 +55,12 @@ impl<const N: usize> Track<N> {
         if self.values.last() != Some(&value) {
             self.push(time_ns, value);
         }
+    }
+
+    /// Takes the newest sample away.
+    pub(super) fn pop(&mut self) {
+        self.times_ns.pop();
+        self.values.pop();
     }
 
     /// Number of samples.
@@ -115,6 +123,28 @@ impl<const N: usize> Track<N> {
             *time -= offset_ns;
         }
         self
+    }
+
+    /// The samples within a span, ends included.
+    pub(super) fn within(&self, span: Span) -> Self {
+        self.places(
+            self.times_ns.partition_point(|&time| time < span.from_ns),
+            self.times_ns.partition_point(|&time| time <= span.to_ns),
+        )
+    }
+
+    /// As [`Track::within`], with the sample before and the one behind.
+    pub(super) fn around(&self, span: Span) -> Self {
+        let first = self.times_ns.partition_point(|&time| time <= span.from_ns);
+        let end = self.times_ns.partition_point(|&time| time < span.to_ns);
+        self.places(first.saturating_sub(1), (end + 1).min(self.len()))
+    }
+
+    fn places(&self, from: usize, to: usize) -> Self {
+        Self {
+            times_ns: self.times_ns.get(from..to).unwrap_or_default().to_vec(),
+            values: self.values.get(from..to).unwrap_or_default().to_vec(),
+        }
     }
 
     /// The samples of a span of log time, ends included.

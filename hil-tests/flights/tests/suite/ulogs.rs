@@ -1,7 +1,9 @@
 //! ULog files: what is read, and how bad ones are refused.
 
 use super::ulog_bytes::{COMBINED, Ulog, combined, level_flight};
-use recorded_flights::{Fault, Flight, Location, LogFormat, Rotate, Rotation, RotationReason};
+use recorded_flights::{
+    Fault, Flight, Location, LogFormat, Part, Reading, Rotate, Rotation, RotationReason,
+};
 
 fn read(log: &Ulog) -> Result<Flight, Fault> {
     Flight::of_bytes("log".to_owned(), &log.bytes, Rotate::Auto)
@@ -141,44 +143,161 @@ fn pulses_are_motors_where_nothing_better_is_logged() {
     assert_eq!((motors.count, motors.mean().at(0)), (2, Some([0.125])));
 }
 
-#[test]
-fn a_log_cut_within_a_message_is_refused_at_that_message() {
-    let log = level();
-    let whole = read(&log).expect("a good log");
-    for cut in [1, 17, 30] {
-        let length = log.bytes.len() - cut;
-        let fault = Flight::of_bytes("cut".to_owned(), &log.bytes[..length], Rotate::Auto)
-            .expect_err("cut off");
-        let start_of_last = log.bytes.len() - (3 + 2 + 8 + 12 + 4 + 12);
-        assert_eq!(fault.location, Location::Byte(start_of_last as u64));
-        assert_eq!(fault.reason, "the log is cut off within a message");
-    }
-    assert!(whole.gaps.is_empty());
+/// What is skipped of a log that is otherwise good.
+fn skipped(log: &Ulog) -> String {
+    let flight = read(log)
+        .map_err(|fault| fault.reason)
+        .expect("the rest of it");
+    assert!(flight.duration_s() > 1.9, "{}", flight.duration_s());
+    let kinds = flight.skipped.kinds().iter().map(ToString::to_string);
+    kinds.collect::<Vec<_>>().join("; ")
 }
 
 #[test]
-fn time_that_goes_back_is_refused_with_its_topic() {
+fn a_log_cut_within_a_message_is_read_to_there() {
+    let whole = level();
+    for cut in [1, 17, 30] {
+        let mut log = level();
+        log.bytes.truncate(whole.bytes.len() - cut);
+        let start_of_last = whole.bytes.len() - (3 + 2 + 8 + 12 + 4 + 12);
+        let lost = log.bytes.len() - start_of_last;
+        let expected =
+            format!("{lost} x bytes behind the last whole message (first at byte {start_of_last})");
+        assert_eq!(skipped(&log), expected);
+    }
+    assert_eq!(skipped(&whole), "");
+}
+
+#[test]
+fn garbage_in_the_middle_and_zeros_at_the_end_are_skipped() {
     let mut log = level();
-    let offset = log.bytes.len() as u64;
-    combined(&mut log, 2_999_999, [0.0; 3], [0.0; 3]);
-    let fault = read(&log).expect_err("time goes back");
-    assert_eq!(fault.location, Location::Byte(offset));
+    let middle = log.bytes.len() as u64;
+    log.bytes.extend([0xee; 1000]);
+    for time in [3_005_000, 3_010_000, 3_015_000] {
+        combined(&mut log, time, [0.0, 0.5, 0.0], [0.0, 0.0, -9.8]);
+    }
+    let zeros = log.bytes.len() as u64;
+    log.bytes.extend([0; 5000]);
+    let expected = format!(
+        "1000 x bytes of garbage (first at byte {middle}); 5000 x bytes of zeros (first at byte {zeros})"
+    );
+    assert_eq!(skipped(&log), expected);
     assert_eq!(
-        fault.reason,
-        "sensor_combined: time goes back: 2999999 follows 3000000"
+        read(&log).map(|flight| flight.duration_ns),
+        Ok(2_015_000_000)
     );
 }
 
 #[test]
-fn values_no_sensor_gives_are_refused() {
+fn time_that_goes_back_is_skipped_with_its_topic() {
+    let mut log = level();
+    let offset = log.bytes.len() as u64;
+    combined(&mut log, 2_999_999, [0.0; 3], [0.0; 3]);
+    let expected = format!("2 x sensor_combined: a time that goes back (first at byte {offset})");
+    assert_eq!(skipped(&log), expected);
+}
+
+#[test]
+fn values_no_sensor_gives_are_skipped_and_many_refuse_the_log() {
     for bad in [f32::NAN, f32::INFINITY, 1e30] {
         let mut log = level();
         let offset = log.bytes.len() as u64;
-        combined(&mut log, 3_005_000, [0.0, bad, 0.0], [0.0; 3]);
-        let fault = read(&log).expect_err("a senseless value");
+        combined(&mut log, 3_005_000, [0.0, bad, 0.0], [0.0, 0.0, -9.8]);
+        let expected =
+            format!("1 x sensor_combined: rates that no sensor gives (first at byte {offset})");
+        assert_eq!(skipped(&log), expected);
+        for sample in 2..50 {
+            combined(
+                &mut log,
+                3_000_000 + sample * 5000,
+                [0.0, bad, 0.0],
+                [0.0, 0.0, -9.8],
+            );
+        }
+        let fault = read(&log)
+            .map(|flight| flight.duration_ns)
+            .expect_err("one in nine");
         assert_eq!(fault.location, Location::Byte(offset));
         assert!(fault.reason.starts_with("sensor_combined: "), "{fault:?}");
     }
+}
+
+#[test]
+fn an_instance_that_is_all_zero_never_wins() {
+    let xyz = "uint64_t timestamp;float x;float y;float z;";
+    let mut log = level();
+    for topic in ["sensor_gyro", "sensor_accel"] {
+        log.topic(topic, xyz);
+        for sample in 0..4000 {
+            log.floats(topic, 1_000_000 + sample * 500, &[0.0; 3]);
+        }
+    }
+    let flight = read(&log).expect("a good log");
+    assert!((flight.gyro.rate_hz() - 200.0).abs() < 1.0);
+}
+
+#[test]
+fn the_part_that_flew_is_taken_and_others_by_their_number() {
+    let mut log = Ulog::new();
+    log.topic("vehicle_land_detected", "uint64_t timestamp;bool landed;");
+    log.topic("sensor_combined", COMBINED);
+    for (time, landed) in [
+        (1_000_000, 1),
+        (2_000_000, 0),
+        (5_000_000, 1),
+        (14_000_000, 0),
+        (18_000_000, 1),
+    ] {
+        log.data("vehicle_land_detected", time, |data| data.push(landed));
+    }
+    for sample in 0..4000_u64 {
+        let wave = (sample % 7) as f32 * 0.1;
+        combined(
+            &mut log,
+            1_000_000 + sample * 5000,
+            [wave, 0.0, 0.1],
+            [0.0, wave, -9.8],
+        );
+    }
+    let of = |part| {
+        let reading = Reading {
+            part,
+            ..Reading::default()
+        };
+        Flight::of_bytes("log".to_owned(), &log.bytes, reading).map(|flight| {
+            (
+                flight.part.span.from_ns / 1_000_000,
+                flight.duration_ns / 1_000_000,
+            )
+        })
+    };
+    assert_eq!(of(Part::Longest), Ok((13_000, 4000)));
+    assert_eq!(of(Part::Number(1)), Ok((1000, 3000)));
+    assert_eq!(of(Part::Between(Some(2.0), Some(4.5))), Ok((2000, 2500)));
+    let fault = of(Part::Number(3)).expect_err("two flights");
+    assert!(
+        fault.reason.starts_with("--flight 3: it holds 2 flights"),
+        "{fault:?}"
+    );
+    let fault = of(Part::Between(Some(30.0), None)).expect_err("behind the end");
+    assert!(fault.reason.contains("it holds 0.0 to 20.0 s"), "{fault:?}");
+}
+
+#[test]
+fn the_log_of_another_vehicle_is_named() {
+    let mut log = level();
+    log.topic(
+        "vehicle_status",
+        "uint64_t timestamp;uint8_t arming_state;uint8_t vehicle_type;",
+    );
+    log.data("vehicle_status", 2_000_000, |data| data.extend([2, 2]));
+    let fault = read(&log)
+        .map(|flight| flight.duration_ns)
+        .expect_err("a plane");
+    assert_eq!(
+        fault.reason,
+        "is the log of a fixed wing: only flights of multirotors are replayed"
+    );
 }
 
 #[test]
@@ -205,32 +324,33 @@ fn a_log_without_gyroscope_or_accelerometer_is_refused() {
 }
 
 #[test]
-fn spoilt_messages_are_refused_where_they_are() {
+fn spoilt_messages_are_skipped_where_they_are() {
     for (kind, payload) in [
         (b'A', &[0, 0][..]),
-        (b'P', &[]),
-        (b'P', &[200, 1, 2]),
         (b'D', &[1]),
         (b'D', &[99, 0, 1, 2]),
         (b'D', &[0, 0, 1, 2]),
-        (b'I', &[9]),
-        (b'M', &[0]),
-        (b'L', &[0]),
-        (b'S', &[0]),
-        (b'O', &[0]),
         (b'B', &[0; 40]),
         (b'F', b"sensor_combined"),
         (b'F', &[0xff, 0xfe]),
-        (b'F', b"sensor_mag:sensor_mag[3] x;"),
         (b'F', b"sensor_combined:float[3;"),
         (b'A', b"\0\0\0sensor_combined"),
     ] {
         let mut log = level();
-        let offset = log.bytes.len() as u64;
+        let place = format!("(first at byte {})", log.bytes.len());
         log.message(kind, payload);
-        let fault = read(&log).expect_err("a spoilt message");
-        assert_eq!(fault.location, Location::Byte(offset), "{fault:?}");
-        assert!(!fault.reason.contains('\n'), "{fault:?}");
+        combined(&mut log, 3_005_000, [0.0; 3], [0.0, 0.0, -9.8]);
+        let skipped = skipped(&log);
+        assert!(
+            skipped.starts_with("1 x ") && skipped.ends_with(&place),
+            "{skipped}"
+        );
+    }
+    // Messages that say nothing of a flight are not looked into.
+    for kind in [b'P', b'I', b'M', b'L', b'S', b'O'] {
+        let mut log = level();
+        log.message(kind, &[0]);
+        assert_eq!(skipped(&log), "");
     }
 }
 
@@ -239,7 +359,6 @@ fn unknown_topics_and_messages_are_passed_over() {
     let mut log = level();
     log.topic("mystery", "uint64_t timestamp;other[300] nested;");
     log.data("mystery", 0, |data| data.extend([1, 2, 3]));
-    log.message(b'Z', &[1, 2, 3]);
     read(&log).expect("a good log");
 }
 

@@ -17,7 +17,7 @@ const fn topic(name: &'static str, fields: &'static [&'static str]) -> Topic {
 }
 
 /// All that a flight is made of.
-pub(super) static TOPICS: [Topic; 12] = [
+pub(super) static TOPICS: [Topic; 15] = [
     topic(
         "sensor_combined",
         &[
@@ -83,6 +83,18 @@ pub(super) static TOPICS: [Topic; 12] = [
             "v_z_valid",
         ],
     ),
+    topic(
+        "vehicle_status",
+        &[
+            "timestamp",
+            "arming_state",
+            "vehicle_type",
+            "is_rotary_wing",
+            "is_vtol",
+        ],
+    ),
+    topic("actuator_armed", &["timestamp", "armed"]),
+    topic("vehicle_land_detected", &["timestamp", "landed"]),
 ];
 
 /// All messages of one instance of a topic.
