@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use reflex_config::{ConfigError, Document};
 use serde::Deserialize;
 
-use super::{DURATION_S, ENVIRONMENT};
+use super::ENVIRONMENT;
 use crate::closed_loop::{Outcome, Scene, limits_of};
 use crate::faults::{Entry, Script};
 use crate::toolchain;
@@ -17,6 +17,9 @@ pub(super) struct Written {
     pub(super) name: String,
     #[serde(default = "quad_x")]
     airframe: String,
+    /// From take-off to the end, s.
+    #[serde(default = "duration_s")]
+    duration_s: f64,
     /// The firmware notices within this, ms; without it, it need not.
     pub(super) detected_ms: Option<f64>,
     /// A state that it enters.
@@ -35,6 +38,11 @@ pub(super) struct Written {
 
 fn quad_x() -> String {
     "quad_x".to_owned()
+}
+
+/// The drone is up after ten seconds; most of what breaks then is over in ten more.
+fn duration_s() -> f64 {
+    20.0
 }
 
 #[derive(Deserialize)]
@@ -67,6 +75,10 @@ impl Scenario {
     pub(super) fn airframe(&self) -> &str {
         &self.written.airframe
     }
+
+    pub(super) fn duration_s(&self) -> f64 {
+        self.written.duration_s
+    }
 }
 
 /// All scenarios that a tier can play, in the order of their files.
@@ -83,7 +95,7 @@ pub fn read_all(is_native: bool) -> anyhow::Result<Vec<Scenario>> {
                 continue;
             }
             let scene = Scene::load(ENVIRONMENT, &written.airframe, None)?;
-            let limits = limits_of(&scene, DURATION_S, is_native);
+            let limits = limits_of(&scene, written.duration_s, is_native);
             let error = |fault: usize, key: &str, line| -> ConfigError {
                 document.error_at(&format!("scenario.{place}.fault.{fault}.{key}"), line)
             };

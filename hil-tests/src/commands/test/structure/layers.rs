@@ -39,6 +39,7 @@ const LAYERS: [Layers; 2] = [
             &[
                 "logics",
                 "magnetometer",
+                "parallel",
                 "picture",
                 "plot",
                 "scoring",
