@@ -3,7 +3,9 @@
 //! `hil-tests/scenarios/*.toml` holds them. One that shows a weakness of the firmware says so: it is flown and shown
 //! all the same, with what is known of it.
 
+mod breach;
 mod file;
+mod random;
 mod report;
 
 use anyhow::{Context, Result};
@@ -11,16 +13,21 @@ use reflex::config::SETTINGS;
 use reflex::settings::Settings;
 
 use crate::closed_loop::contention::Contention;
-use crate::closed_loop::{FlyOptions, Flyer, Mission, Scene, Stress, fly};
+use crate::closed_loop::{FaultReport, FlyOptions, Flyer, Mission, Scene, Stress, fly};
+use crate::faults::Script;
 use crate::logics::LogicName;
 use crate::parallel;
 use crate::progress::{Progress, Silent};
 
+use breach::Breach;
 pub use file::{Scenario, read_all};
+pub use random::{RandomScripts, fly_random};
 pub use report::{ScenarioReport, Scenarios};
 
 /// Where they are flown.
 const ENVIRONMENT: &str = "arch";
+/// What flies, unless a scenario says otherwise.
+const AIRFRAME: &str = "quad_x";
 
 /// Flies each scenario with a logic under each seed, on every core.
 ///
@@ -53,17 +60,28 @@ fn fly_one(
     flyer: Flyer<'_>,
 ) -> Result<ScenarioReport> {
     let scene = Scene::load(ENVIRONMENT, scenario.airframe(), None)?;
+    let played = (scenario.script.clone(), scenario.duration_s());
+    let came = fly_script(&scene, (logic, seed), played, flyer)?;
+    Ok(ScenarioReport::of(scenario, (logic, seed), came))
+}
+
+/// Hovers while a script is played; the second number is how long, s.
+fn fly_script(
+    scene: &Scene,
+    (logic, seed): (LogicName, u32),
+    (faults, duration_s): (Script, f64),
+    flyer: Flyer<'_>,
+) -> Result<FaultReport> {
     let options = FlyOptions {
         gains: logic.into(),
         settings: Settings { seed, ..SETTINGS },
         mission: Mission::Hover,
-        duration_s: scenario.duration_s(),
+        duration_s,
         scored_from_s: None,
         stress: Stress::default(),
-        faults: scenario.script.clone(),
+        faults,
         contention: Contention::default(),
     };
-    let flown = fly(&scene, &options, flyer, &mut Silent)?;
-    let came = flown.report.faults.context("nothing breaks in it")?;
-    Ok(ScenarioReport::of(scenario, (logic, seed), came))
+    let flown = fly(scene, &options, flyer, &mut Silent)?;
+    flown.report.faults.context("nothing breaks in it")
 }

@@ -3,7 +3,7 @@
 use hil_tests::closed_loop::Flyer;
 use hil_tests::logics::LogicName;
 use hil_tests::progress::Silent;
-use hil_tests::scenarios::{Scenarios, fly_all, read_all};
+use hil_tests::scenarios::{Scenarios, fly_all, fly_random, read_all};
 
 fn flown(seeds: &[u32]) -> Scenarios {
     let scenarios = read_all(true).unwrap();
@@ -31,4 +31,16 @@ fn no_command_is_out_of_range_and_no_run_missing_with_other_seeds() {
     let failed =
         missed.filter(|line| line.contains("bad commands") || line.contains("without a run"));
     assert_eq!(failed.collect::<Vec<_>>(), Vec::<String>::new());
+}
+
+#[test]
+fn random_scripts_break_no_promise_but_by_known_weaknesses() {
+    let of = (LogicName::configured(), Flyer::Native);
+    let random = fly_random((200, 1), of, &mut Silent).unwrap();
+    assert_eq!(random.surprises(), 0, "{}", random.summary());
+    assert!(
+        random.told > 100 && random.harmless > 0,
+        "{}",
+        random.summary()
+    );
 }

@@ -28,6 +28,8 @@ pub struct FaultReport {
     pub bad_commands: u64,
     /// Longest time between two runs of control while armed, ms.
     pub longest_gap_ms: f64,
+    /// Longest time that a task kept a bus, ms; null on the emulated board, where gaps show it.
+    pub longest_transfer_ms: Option<f64>,
 }
 
 /// How a flight with a fault ends.
@@ -45,6 +47,9 @@ pub enum Outcome {
 }
 
 impl Outcome {
+    /// Every one.
+    pub const ALL: [Self; 4] = [Self::Flies, Self::Landed, Self::Cut, Self::Crashed];
+
     /// As in tables and files.
     #[must_use]
     pub fn word(self) -> &'static str {

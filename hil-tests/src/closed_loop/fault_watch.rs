@@ -28,6 +28,7 @@ pub(super) struct FaultWatch {
     bad_commands: u64,
     last_run_ns: Option<u64>,
     longest_gap_ns: u64,
+    longest_transfer_ns: Option<u64>,
 }
 
 /// How often each kind of fault was counted.
@@ -57,6 +58,7 @@ impl FaultWatch {
             bad_commands: 0,
             last_run_ns: None,
             longest_gap_ns: 0,
+            longest_transfer_ns: None,
         }
     }
 
@@ -85,6 +87,7 @@ impl FaultWatch {
             return;
         }
         self.now_ns = now_ns;
+        self.longest_transfer_ns = board.longest_transfer_ns();
         let tilt = drone.state().tilt().to_degrees();
         self.largest_tilt = self.largest_tilt.max(tilt);
         let before = std::mem::replace(&mut self.newest, counts);
@@ -119,7 +122,7 @@ impl FaultWatch {
 
     /// What came of it.
     pub(super) fn report(&self) -> FaultReport {
-        let since_ms = |at_ns: u64| (at_ns - self.from_ns) as f64 * 1e-6;
+        let since_ms = |at_ns: u64| millis(at_ns - self.from_ns);
         let detected = self.detected.as_ref();
         let is_over = self.ended.is_none() && self.now_ns > self.noticed_ns + CALM_NS;
         FaultReport {
@@ -133,9 +136,14 @@ impl FaultWatch {
             largest_tilt_deg: self.largest_tilt,
             outcome: self.ended.unwrap_or(Outcome::Flies),
             bad_commands: self.bad_commands,
-            longest_gap_ms: self.longest_gap_ns as f64 * 1e-6,
+            longest_gap_ms: millis(self.longest_gap_ns),
+            longest_transfer_ms: self.longest_transfer_ns.map(millis),
         }
     }
+}
+
+fn millis(ns: u64) -> f64 {
+    ns as f64 * 1e-6
 }
 
 impl Usual {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use reflex_config::{ConfigError, Document};
 use serde::Deserialize;
 
-use super::ENVIRONMENT;
+use super::{AIRFRAME, ENVIRONMENT};
 use crate::closed_loop::{Outcome, Scene, limits_of};
 use crate::faults::{Entry, Script};
 use crate::toolchain;
@@ -15,7 +15,7 @@ use crate::toolchain;
 #[serde(deny_unknown_fields)]
 pub(super) struct Written {
     pub(super) name: String,
-    #[serde(default = "quad_x")]
+    #[serde(default = "airframe")]
     airframe: String,
     /// From take-off to the end, s.
     #[serde(default = "duration_s")]
@@ -36,8 +36,8 @@ pub(super) struct Written {
     fault: Vec<Entry>,
 }
 
-fn quad_x() -> String {
-    "quad_x".to_owned()
+fn airframe() -> String {
+    AIRFRAME.to_owned()
 }
 
 /// The drone is up after ten seconds; most of what breaks then is over in ten more.
@@ -74,6 +74,16 @@ impl Scenario {
 
     pub(super) fn airframe(&self) -> &str {
         &self.written.airframe
+    }
+
+    /// It is known to fail.
+    pub(super) fn is_weak(&self) -> bool {
+        self.written.weakness.is_some()
+    }
+
+    /// It breaks one thing alone, and that in the way of a fault.
+    pub(super) fn breaks_like(&self, fault: &Entry) -> bool {
+        matches!(self.written.fault.as_slice(), [own] if own.is_like(fault))
     }
 
     pub(super) fn duration_s(&self) -> f64 {

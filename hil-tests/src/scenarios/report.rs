@@ -6,12 +6,9 @@ use std::fmt::Write;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Scenario;
+use super::{Breach, Scenario};
 use crate::closed_loop::{FaultReport, Outcome};
 use crate::logics::LogicName;
-
-/// Longest time between two runs while armed, ms: a failsafe period, a hyperperiod, and the time of a task.
-const LONGEST_GAP_MS: f64 = 102.0;
 
 /// All scenarios that were flown.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -122,12 +119,7 @@ fn missed(scenario: &Scenario, came: &FaultReport) -> Vec<String> {
             format!("tilted beyond {most} degrees"),
         );
     }
-    expect(
-        came.bad_commands == 0,
-        format!("{} bad commands", came.bad_commands),
-    );
-    let gap = came.longest_gap_ms;
-    expect(gap <= LONGEST_GAP_MS, format!("{gap:.0} ms without a run"));
+    missed.extend(Breach::of_control(came).map(|breach| breach.to_string()));
     missed
 }
 
