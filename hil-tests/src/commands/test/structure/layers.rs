@@ -20,6 +20,7 @@ const LAYERS: [Layers; 2] = [
             &["airframe", "control", "dataflow", "estimate"],
             &["graph"],
             &["link", "reactive", "safety"],
+            &["store"],
             &["app"],
             &["tasks"],
         ],
