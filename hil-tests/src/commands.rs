@@ -11,6 +11,8 @@ mod faults;
 mod flight_numbers;
 mod fly;
 mod graph;
+mod info;
+mod log_arguments;
 mod logic_arguments;
 mod magnetometer;
 mod profile;
@@ -55,6 +57,8 @@ struct Cli {
 enum Command {
     /// Boot the firmware on the emulated board and replay a recorded flight into its sensors
     Replay(Box<replay_arguments::ReplayArguments>),
+    /// Say what a log holds: vehicle, sensors, flights, gaps, and what a replay would take
+    Info(info::InfoArguments),
     /// Fly a simulated drone in wind, by the firmware on the emulated board
     Fly(Box<fly::FlyArguments>),
     /// Fly hundreds of simulated hours, reactive against periodic control, and report
@@ -89,6 +93,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let result = match &cli.command {
         Command::Replay(arguments) => replay::run(arguments),
+        Command::Info(arguments) => info::run(arguments),
         Command::Fly(arguments) => fly::run(arguments),
         Command::Campaign(arguments) => campaign::run(arguments),
         Command::Faults(arguments) => faults::run(arguments),

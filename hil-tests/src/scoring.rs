@@ -40,8 +40,8 @@ pub use oracle::{ImpulseOracle, Oracle, OracleEqual};
 pub use periodic::{Clock, EqualLoad, Held, PHASES, Periodic};
 pub use reason::ByReason;
 pub use report::{
-    BoardTime, Cpu, Firmware, Gap, LatencyPart, ModelState, Options, Report, RunReport, Sensor,
-    SetpointSource, Tier, WithoutLeading,
+    BoardTime, Cpu, Firmware, FlightPart, Gap, LatencyPart, ModelState, Options, Report, RunReport,
+    Sensor, SetpointSource, Tier, WithoutLeading,
 };
 pub use rules::{LoadRules, MOST_SATURATED, Rules};
 pub use section::{Actuators, Calibration, Control, Decisions, Section, WINDOW_US, Window};

@@ -122,25 +122,27 @@ impl Flight {
         reading: impl Into<Reading>,
     ) -> Result<Self, Fault> {
         let reading = reading.into();
-        let recording = formats::read(bytes, &reading.units)?;
-        Self::of_recording(name, recording, &reading)
+        Self::of_recording(name, recording(bytes, &reading)?, &reading)
     }
 
     /// Checks, cuts, shifts and turns a recording.
-    fn of_recording(name: String, recording: Recording, reading: &Reading) -> Result<Self, Fault> {
+    pub(super) fn of_recording(
+        name: String,
+        recording: Recording,
+        reading: &Reading,
+    ) -> Result<Self, Fault> {
         if let Some(vehicle) = &recording.vehicle.other {
             let reason =
                 format!("is the log of {vehicle}: only flights of multirotors are replayed");
             return Err(Fault::whole(reason));
         }
-        let whole = recording.starting_at_zero();
-        let part = choose(&whole, &Flown::of(&whole), reading.part)?;
+        let part = choose(&recording, &Flown::of(&recording), reading.part)?;
         // Which way is up shows best in the air.
-        let log = whole.part(part.span);
+        let log = recording.part(part.span);
         log.check()?;
         let (rotation, rotation_reason) = rotation(&log, reading.rotate)?;
         let log = log.starting_at_zero();
-        let own_stamps = log.mag.as_ref().filter(|_| log.format != LogFormat::Csv);
+        let own_stamps = log.mag.as_ref().filter(|_| log.has_own_stamps());
         let gaps = gaps::find(&log.gyro, &log.accel, own_stamps);
         let turn = |track: &Track<3>| track.map(|v| rotation.vector(v));
         Ok(Self {
@@ -185,8 +187,13 @@ impl Flight {
     }
 }
 
+/// What a log holds, its first gyroscope sample at time 0.
+pub(super) fn recording(bytes: &[u8], reading: &Reading) -> Result<Recording, Fault> {
+    formats::read(bytes, &reading.units).map(Recording::starting_at_zero)
+}
+
 /// Reads a whole file, and refuses what is none.
-fn read_bytes(path: &Path) -> Result<Vec<u8>, Fault> {
+pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, Fault> {
     let unreadable = |error: std::io::Error| Fault::whole(format!("cannot be read: {error}"));
     if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
         return Err(Fault::whole("is no file"));

@@ -11,6 +11,7 @@
 //! ```
 
 mod attitude;
+mod contents;
 mod error;
 mod flight;
 mod formats;
@@ -31,6 +32,7 @@ mod stimulus;
 mod track;
 mod units;
 
+pub use contents::{Contents, Replayed, Signal};
 pub use error::{Fault, FlightError, Location};
 pub use flight::{Flight, Reading, RotationReason};
 pub use gaps::Gap;

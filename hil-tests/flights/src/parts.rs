@@ -194,7 +194,7 @@ fn carried(mean: &Track<1>) -> Track<1> {
 }
 
 /// Where a state that is held between its samples is 1, within the log.
-fn spans(states: &Track<1>, whole: Span) -> Vec<Span> {
+pub(super) fn spans(states: &Track<1>, whole: Span) -> Vec<Span> {
     let mut spans = Vec::new();
     let mut since = None;
     for (time, [state]) in states.iter() {

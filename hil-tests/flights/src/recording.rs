@@ -78,6 +78,15 @@ pub enum Sensor {
 }
 
 impl Sensor {
+    /// What it is called.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Gyroscope => "gyroscope",
+            Self::Accelerometer => "accelerometer",
+            Self::Magnetometer => "magnetometer",
+        }
+    }
+
     /// What it measures.
     pub(super) fn noun(self) -> &'static str {
         match self {
@@ -228,6 +237,11 @@ impl Recording {
         })
     }
 
+    /// True where magnetometer samples have times of their own: lines of text hold them.
+    pub(super) fn has_own_stamps(&self) -> bool {
+        self.format != LogFormat::Csv
+    }
+
     /// Refuses a recording from which no flight can be replayed.
     pub(super) fn check(&self) -> Result<(), Fault> {
         let Some(span) = self.span() else {
@@ -330,11 +344,7 @@ impl Retimed for Around {
 fn check_rate(sensor: Sensor, track: &Track<3>) -> Result<(), Fault> {
     let rate = track.rate_hz();
     if rate < SLOWEST_HZ {
-        let name = match sensor {
-            Sensor::Gyroscope => "gyroscope",
-            Sensor::Accelerometer => "accelerometer",
-            Sensor::Magnetometer => "magnetometer",
-        };
+        let name = sensor.name();
         return Err(Fault::whole(format!(
             "has its {name} at {rate:.1} Hz only, a replay needs at least {SLOWEST_HZ} Hz"
         )));

@@ -7,12 +7,12 @@ use clap::Args;
 
 use crate::magnetometer;
 use crate::refusal::Refusal;
-use recorded_flights::{Flight, Rotate};
+use recorded_flights::{Flight, Part, Reading, Rotate};
 
 /// Which log shows it.
 #[derive(Clone, Debug, Args)]
 pub(super) struct MagnetometerArguments {
-    /// Log of the board being turned, ULog or CSV, its field without any calibration
+    /// Log of the board being turned, of any format, its field without any calibration
     log: PathBuf,
 
     /// How the log's axes lie in the body's: none, or such as roll180yaw90
@@ -22,7 +22,13 @@ pub(super) struct MagnetometerArguments {
 
 /// Prints the lines of a board's file.
 pub(super) fn run(arguments: &MagnetometerArguments) -> Result<()> {
-    let flight = Flight::read(&arguments.log, arguments.rotate)?;
+    // A board is turned on the ground.
+    let reading = Reading {
+        rotate: arguments.rotate,
+        part: Part::Between(None, None),
+        ..Reading::default()
+    };
+    let flight = Flight::read(&arguments.log, reading)?;
     let refuse = |line: &str| Refusal::new(format!("{}: {line}", arguments.log.display()));
     let fields = flight.mag.ok_or_else(|| refuse("has no magnetometer"))?;
     let iron = magnetometer::find(fields.values()).map_err(|line| refuse(&line.to_string()))?;

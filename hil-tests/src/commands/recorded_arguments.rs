@@ -6,17 +6,17 @@ use clap::{Args, ValueEnum};
 use reflex::config;
 use reflex::settings::{Policy, Settings, WarmUp};
 
+use super::log_arguments::LogArguments;
 use super::logic_arguments::LogicArguments;
 use super::quantities::number;
 use super::settings_arguments::SettingsArguments;
 use crate::refusal::Refusal;
 use crate::replay::options::ReplayOptions;
-use recorded_flights::Rotate;
 
 /// What is replayed. Defaults are those of `config/`; no option needs a rebuild.
 #[derive(Clone, Debug, Args)]
 pub(super) struct RecordedArguments {
-    /// Recorded flight, ULog or CSV [default: the one that comes with the crate ulog-rs]
+    /// Recorded flight of any autopilot, or CSV, also as .gz [default: the one that comes with the crate ulog-rs]
     #[arg(value_name = "LOG")]
     logs: Vec<PathBuf>,
     #[command(flatten)]
@@ -26,9 +26,8 @@ pub(super) struct RecordedArguments {
     /// Most of the flight to replay, in s
     #[arg(long, value_name = "SECONDS", value_parser = number, allow_negative_numbers = true)]
     duration: Option<f64>,
-    /// How the log's axes lie in the body's: auto, none, or such as roll180yaw90
-    #[arg(long, value_name = "ROTATION", default_value = "auto")]
-    rotate: Rotate,
+    #[command(flatten)]
+    reading: LogArguments,
     /// Noise that the emulated sensors add
     #[arg(long, value_enum, default_value = "datasheet")]
     noise: NoiseName,
@@ -70,7 +69,7 @@ impl RecordedArguments {
             settings,
             gains: self.logic.gains(1.0)?,
             duration_s: self.duration,
-            rotate: self.rotate,
+            reading: self.reading.reading()?,
             noise: self.noise == NoiseName::Datasheet,
             defmt: None,
         })

@@ -22,7 +22,7 @@ use reflex::settings::MotorProtocol;
 
 use super::native::without_leading;
 use super::options::ReplayOptions;
-use super::setup::open_flight;
+use super::setup::{left_out, open_flight};
 use super::timeline::Timeline;
 use crate::firmware::Firmware;
 use crate::progress::Progress;
@@ -93,7 +93,8 @@ fn whole(options: &ReplayOptions, counts: bool, progress: &mut dyn Progress) -> 
     progress.stage("Scoring");
     let alignment = Alignment::of(&observation, options.settings.motors)?;
     let start_us = alignment.clock_us(session.flight_start_ns());
-    let timeline = Timeline::of(&observation.calls, &options.start(), start_us)?;
+    let left_out = left_out(&flight, options, start_us);
+    let timeline = Timeline::of(&observation.calls, &options.start(), start_us, left_out)?;
     if timeline.runs_in_the_air == 0 {
         bail!(
             "{}: the firmware never armed: see its log with --defmt FILE",

@@ -18,7 +18,7 @@ use reflex::settings::Policy;
 use super::link_frames::schedule;
 use super::options::ReplayOptions;
 use super::refusals;
-use super::setup::{chip_options, length_ns, open_flight};
+use super::setup::{chip_options, left_out, length_ns, open_flight};
 use super::timeline::Timeline;
 use crate::native::{NativeBoard, clock};
 use crate::progress::Progress;
@@ -48,7 +48,7 @@ pub fn fly(flight: &Flight, options: &ReplayOptions) -> Result<Vec<Stamped>> {
 /// As [`fly`]; and where the drone never armed.
 pub fn fly_and_score(flight: &Flight, options: &ReplayOptions) -> Result<Score> {
     let calls = fly(flight, options)?;
-    Ok(timeline(&calls, options, &flight.name)?.score(None))
+    Ok(timeline(&calls, flight, options, &flight.name)?.score(None))
 }
 
 /// Flies a flight once more, without the inputs that know the command; `None` where none triggers.
@@ -86,7 +86,7 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
     let calls = board.take_calls();
 
     progress.stage("Scoring");
-    let timeline = timeline(&calls, options, &path.display().to_string())?;
+    let timeline = timeline(&calls, &flight, options, &path.display().to_string())?;
     Ok(Report {
         run: report::report(options, &flight, &setpoints, &timeline, &board, &looks),
         score: timeline.score(None),
@@ -124,9 +124,15 @@ fn watch(board: &mut NativeBoard, end_ns: u64, progress: &mut dyn Progress) -> V
     looks
 }
 
-fn timeline<'c>(calls: &'c [Stamped], options: &ReplayOptions, name: &str) -> Result<Timeline<'c>> {
+fn timeline<'c>(
+    calls: &'c [Stamped],
+    flight: &Flight,
+    options: &ReplayOptions,
+    name: &str,
+) -> Result<Timeline<'c>> {
     let start_us = clock(Standstill::default().length_ns()).ticks();
-    let timeline = Timeline::of(calls, &options.start(), start_us)?;
+    let left_out = left_out(flight, options, start_us);
+    let timeline = Timeline::of(calls, &options.start(), start_us, left_out)?;
     if timeline.runs_in_the_air == 0 {
         bail!(Refusal::new(format!("{name}: the drone never armed")));
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use reflex::settings::Settings;
 
 use crate::logics::{GainSet, LogicName, Start};
-use recorded_flights::Rotate;
+use recorded_flights::Reading;
 
 /// The options of one replay, checked; made by the command line or by a test.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,8 +18,8 @@ pub struct ReplayOptions {
     pub gains: GainSet,
     /// Most of the flight that is replayed, in s; none for all of it.
     pub duration_s: Option<f64>,
-    /// How the log's axes lie in the body's.
-    pub rotate: Rotate,
+    /// How the log is read, and which part of it.
+    pub reading: Reading,
     /// The sensors add the noise of their datasheets.
     pub noise: bool,
     /// Where the firmware's decoded log is written.
@@ -41,7 +41,7 @@ impl Default for ReplayOptions {
             settings: reflex::config::SETTINGS,
             gains: LogicName::configured().into(),
             duration_s: None,
-            rotate: Rotate::Auto,
+            reading: Reading::default(),
             noise: true,
             defmt: None,
         }

@@ -15,11 +15,11 @@ use super::setup::chip_options;
 use super::timeline::Timeline;
 use crate::record::{Look, samples_since};
 use crate::scoring::{
-    Gap, ModelState, Options, RunReport, Sensor, SetpointSource, Tier, latencies,
+    FlightPart, Gap, ModelState, Options, RunReport, Sensor, SetpointSource, Tier, latencies,
 };
 use chip_models::DIES;
 use emulated_board::SensorLine;
-use recorded_flights::{Flight, Setpoints};
+use recorded_flights::{Flight, Setpoints, Taken, seconds};
 
 /// What was observed of the chips, in ns of the board's time.
 pub(crate) struct ChipEvidence<'r> {
@@ -59,8 +59,10 @@ impl Evidence<'_, '_> {
                 self.options,
                 format!("{} ({})", self.flight.rotation, self.flight.rotation_reason),
             ),
+            part: self.part(),
             setpoint: self.setpoint(),
             gaps: self.gaps(),
+            notes: self.notes(),
             disarmed_s: (self.timeline.disarmed_us).map(|at_us| at_us as f64 * 1e-6),
             firmware: None,
             sensors: Input::ALL.map(|input| self.sensor(input)).into(),
@@ -71,6 +73,21 @@ impl Evidence<'_, '_> {
             counters: self.counters(),
             digest,
         }
+    }
+
+    fn part(&self) -> FlightPart {
+        let Taken { span, reason } = self.flight.part;
+        FlightPart {
+            from_s: seconds(span.from_ns),
+            to_s: seconds(span.to_ns),
+            reason: reason.to_string(),
+        }
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let skipped = self.flight.skipped.kinds().iter();
+        let skipped = skipped.map(|skip| format!("skipped {skip}"));
+        skipped.chain(self.flight.notes.iter().cloned()).collect()
     }
 
     fn setpoint(&self) -> SetpointSource {

@@ -1,5 +1,6 @@
 //! What both tiers replay: the flight, its chips, and how much of it.
 
+use std::ops::Range;
 use std::path::PathBuf;
 
 use anyhow::Result;
@@ -7,7 +8,7 @@ use anyhow::Result;
 use super::options::ReplayOptions;
 use super::refusals;
 use chip_models::{ChipOptions, Present};
-use recorded_flights::{Flight, sample_flight};
+use recorded_flights::{Flight, Sensor, sample_flight};
 
 /// Reads the flight that the options name, and refuses one that cannot be replayed with them.
 pub(crate) fn open_flight(options: &ReplayOptions) -> Result<(Flight, PathBuf)> {
@@ -15,7 +16,7 @@ pub(crate) fn open_flight(options: &ReplayOptions) -> Result<(Flight, PathBuf)> 
         Some(path) => path.clone(),
         None => sample_flight()?,
     };
-    let flight = Flight::read(&path, options.rotate)?;
+    let flight = Flight::read(&path, options.reading.clone())?;
     refusals::check(options, &flight, &path)?;
     Ok((flight, path))
 }
@@ -37,4 +38,23 @@ pub(crate) fn chip_options(flight: &Flight, options: &ReplayOptions) -> ChipOpti
 pub(crate) fn length_ns(flight: &Flight, options: &ReplayOptions) -> u64 {
     let longest_s = options.duration_s.unwrap_or(f64::INFINITY);
     (longest_s.min(flight.duration_s()) * 1e9) as u64
+}
+
+/// What of a flight is not scored, in us of a clock that shows `start_us` at the flight's start: gaps
+/// that are longer than a failsafe period, through which nobody knows what the sensors felt.
+pub(crate) fn left_out(flight: &Flight, options: &ReplayOptions, start_us: u64) -> Vec<Range<u64>> {
+    let failsafe_s = options.settings.failsafe.ticks() as f64 * 1e-6;
+    let at_us = |s: f64| start_us.saturating_add_signed((s * 1e6) as i64);
+    let long = flight.gaps.iter().filter(|gap| gap.length_s > failsafe_s);
+    let inertial = long.filter(|gap| gap.sensor != Sensor::Magnetometer);
+    let mut spans: Vec<Range<u64>> = Vec::new();
+    for gap in inertial {
+        let span = at_us(gap.at_s)..at_us(gap.at_s + gap.length_s);
+        // Gaps of both sensors may overlap.
+        match spans.last_mut() {
+            Some(last) if span.start <= last.end => last.end = last.end.max(span.end),
+            _ => spans.push(span),
+        }
+    }
+    spans
 }

@@ -5,6 +5,8 @@
 //! messages, else at the sample itself. The *mirror* makes the firmware's very calls and must
 //! compute the firmware's very commands, bit for bit.
 
+use std::ops::Range;
+
 use anyhow::Result;
 use reflex::airframe::Mixer;
 use reflex::app::{Autopilot, Call, Next, Reason, Stamped};
@@ -84,11 +86,17 @@ struct Open {
 }
 
 impl<'c> Timeline<'c> {
-    /// Makes the calls again; hyperperiods count from `start_us` of the firmware's clock.
+    /// Makes the calls again; hyperperiods count from `start_us` of the firmware's clock, but for those
+    /// of some spans.
     ///
     /// # Errors
     /// The firmware computed other bits than the host.
-    pub(crate) fn of(calls: &'c [Stamped], start: &Start, start_us: u64) -> Result<Self> {
+    pub(crate) fn of(
+        calls: &'c [Stamped],
+        start: &Start,
+        start_us: u64,
+        left_out: Vec<Range<u64>>,
+    ) -> Result<Self> {
         let disarmed_us = disarmed_us(calls, start);
         let end_us = disarmed_us.map_or(u64::MAX, |at| at.saturating_sub(BEFORE_DISARM_US));
         let flown = calls.partition_point(|stamped| stamped.at.ticks() < end_us);
@@ -96,7 +104,8 @@ impl<'c> Timeline<'c> {
             calls: &calls[..flown],
             start: *start,
             start_us,
-            flight: FlightSteps::new(start_us, held_at(calls, start_us, start.airframe.count())),
+            flight: FlightSteps::new(start_us, held_at(calls, start_us, start.airframe.count()))
+                .leaving_out(left_out),
             ends: Vec::new(),
             answered: answered(calls),
             verdicts: Verdicts::of(calls),
@@ -132,7 +141,7 @@ impl<'c> Timeline<'c> {
                 Call::Imu(_) if ended => {
                     self.close(&mut open, &reference.command);
                     self.first_hyperperiod_us.get_or_insert(at_us);
-                    if at_us >= self.start_us {
+                    if at_us >= self.start_us && !self.flight.leaves_out(at_us) {
                         self.ends.push(place);
                         self.foreseen += u64::from(self.mirror.autopilot().foresees());
                     }
@@ -196,7 +205,9 @@ impl<'c> Timeline<'c> {
             Some(open) if !by_timer && open.run.is_none() => open.run = Some(run),
             _ => {
                 self.close(open, reference);
-                if at_us >= self.start_us {
+                if self.flight.leaves_out(at_us) {
+                    self.flight.hold(run.command);
+                } else if at_us >= self.start_us {
                     self.flight.run_early(run);
                 }
             }
@@ -204,9 +215,12 @@ impl<'c> Timeline<'c> {
     }
 
     fn close(&mut self, open: &mut Option<Open>, reference: &Command) {
-        if let Some(open) = open.take()
-            && open.at_us >= self.start_us
-        {
+        let Some(open) = open.take() else { return };
+        if self.flight.leaves_out(open.at_us) {
+            if let Some(run) = open.run {
+                self.flight.hold(run.command);
+            }
+        } else if open.at_us >= self.start_us {
             self.flight
                 .end_hyperperiod(open.at_us, *reference, open.run);
         }
@@ -258,7 +272,7 @@ impl<'c> Timeline<'c> {
         let mut due_us = warm_up_end as f64 + clock.phase * period_us;
         let mut held = Vec::<Held>::with_capacity(self.ends.len());
         let mut ends = self.ends.iter().peekable();
-        let mut waits = false;
+        let (mut waits, mut counts) = (false, true);
         for (place, stamped) in self.calls.iter().enumerate() {
             let at_us = stamped.at.ticks();
             let ended = native.take(stamped);
@@ -267,7 +281,8 @@ impl<'c> Timeline<'c> {
                 if waits && at_us > warm_up_end {
                     due_us = (due_us + period_us).max(at_us as f64);
                 }
-                if ends.next_if_eq(&&place).is_some() {
+                counts = ends.next_if_eq(&&place).is_some();
+                if counts {
                     held.push(Held {
                         command: native.command,
                         runs: 0,
@@ -278,6 +293,7 @@ impl<'c> Timeline<'c> {
             if now
                 && core::mem::take(&mut waits)
                 && native.run(stamped.at)
+                && counts
                 && let Some(held) = held.last_mut()
             {
                 held.command = native.command;

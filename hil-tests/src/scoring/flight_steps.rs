@@ -4,6 +4,8 @@
 //! reads them. What a motor held is derived here, once, from the runs, so that a step can
 //! never claim a command that no run wrote.
 
+use std::ops::Range;
+
 use reflex::airframe::MotorShares;
 use reflex::app::Reason;
 
@@ -59,6 +61,10 @@ pub struct FlightSteps {
     warm_up_end_us: Option<u64>,
     steps: Vec<Step>,
     early: Vec<Run>,
+    /// Spans of the firmware's clock in which nothing is scored, in order.
+    left_out: Vec<Range<u64>>,
+    /// What the motors held behind the last of them.
+    resumed: Option<Command>,
 }
 
 impl FlightSteps {
@@ -73,7 +79,27 @@ impl FlightSteps {
             warm_up_end_us: None,
             steps: Vec::new(),
             early: Vec::new(),
+            left_out: Vec::new(),
+            resumed: None,
         }
+    }
+
+    /// The same flight, in which some spans are not scored: what the sensors felt there, nobody knows.
+    #[must_use]
+    pub fn leaving_out(self, left_out: Vec<Range<u64>>) -> Self {
+        Self { left_out, ..self }
+    }
+
+    /// True for an instant that is not scored: no hyperperiod is ended there.
+    #[must_use]
+    pub fn leaves_out(&self, at_us: u64) -> bool {
+        self.left_out.iter().any(|span| span.contains(&at_us))
+    }
+
+    /// Takes note of a command that was applied where nothing is scored.
+    pub fn hold(&mut self, command: Command) {
+        self.early.clear();
+        self.resumed = Some(command);
     }
 
     /// Takes note of a run that did not wait for a hyperperiod's end: the failsafe timer's.
@@ -89,7 +115,8 @@ impl FlightSteps {
     /// its reference is the one before.
     pub fn end_hyperperiod(&mut self, at_us: u64, reference: Command, run: Option<Run>) {
         debug_assert!(at_us >= self.last_us(), "hyperperiods come in order");
-        let before = self.steps.last().map_or(self.initial, |step| step.applied);
+        let last = self.steps.last().map_or(self.initial, |step| step.applied);
+        let before = self.resumed.take().unwrap_or(last);
         let held = self.early.last().map_or(before, |run| run.command);
         self.steps.push(Step {
             at_us,
@@ -145,6 +172,7 @@ impl FlightSteps {
             steps,
             reference: last.map_or(self.initial, |step| step.reference),
             ran_us: last.map_or(self.start_us, |step| step.at_us),
+            left_out: &self.left_out,
         }
     }
 
@@ -166,13 +194,21 @@ pub(super) struct Scored<'f> {
     pub reference: Command,
     /// When a yardstick last ran: at the warm-up's last hyperperiod.
     pub ran_us: u64,
+    /// Spans that are not scored.
+    left_out: &'f [Range<u64>],
 }
 
 impl Scored<'_> {
     /// Length in seconds.
     pub fn length_s(&self) -> f64 {
         let end = self.steps.last().map_or(self.start_us, |step| step.at_us);
-        seconds(self.start_us, end)
+        self.seconds(self.start_us, end)
+    }
+
+    /// Seconds of a span that are scored.
+    pub fn seconds(&self, from_us: u64, to_us: u64) -> f64 {
+        let inside = |span: &Range<u64>| seconds(span.start.max(from_us), span.end.min(to_us));
+        seconds(from_us, to_us) - self.left_out.iter().map(inside).sum::<f64>()
     }
 }
 

@@ -123,7 +123,9 @@ impl Track {
             let calls = match bound {
                 Bound::DeadBand(width) => differs(&point.reference, &held, width),
                 Bound::Budget(budget) => {
-                    let time_s = seconds(last_us, point.end_us) as f32;
+                    // Nothing is owed for longer, as across a span that is not scored.
+                    let since_us = last_us.max(point.end_us.saturating_sub(self.failsafe_us));
+                    let time_s = seconds(since_us, point.end_us) as f32;
                     let off = self.axes.between(&held, &point.reference);
                     for (owed, off) in owed.iter_mut().zip(off) {
                         *owed += off * time_s;

@@ -73,10 +73,14 @@ pub struct RunReport {
     pub seed: u64,
     /// Every option in effect, defaults included.
     pub options: Options,
+    /// Which part of the log was replayed.
+    pub part: FlightPart,
     /// Where the setpoint came from.
     pub setpoint: SetpointSource,
-    /// Gaps in the log's samples.
+    /// Gaps in the log's samples; what is longer than a failsafe period is not scored.
     pub gaps: Vec<Gap>,
+    /// What of the log could not be used, and what else should be known of how it was read.
+    pub notes: Vec<String>,
     /// When the firmware disarmed its motors, in s of the board's time; the score ends 2 s earlier.
     /// Null where it did not.
     pub disarmed_s: Option<f64>,
@@ -159,6 +163,17 @@ impl SetpointSource {
             Self::LowPassed => "from the log's own attitude and rates, low-passed",
         }
     }
+}
+
+/// A part of a log.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct FlightPart {
+    /// Start in seconds of the log.
+    pub from_s: f64,
+    /// End in seconds of the log.
+    pub to_s: f64,
+    /// Why this part.
+    pub reason: String,
 }
 
 /// A stretch without samples in the log.

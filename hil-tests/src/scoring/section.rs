@@ -1,7 +1,7 @@
 //! Control, decisions, calibration, actuators of a flight or a window.
 
 use super::deviation::{Deviation, Tally, rate, share};
-use super::flight_steps::{FlightSteps, Step, seconds};
+use super::flight_steps::{FlightSteps, Step};
 use super::judge::{Class, Judged};
 use super::reason::ByReason;
 use super::rules::Rules;
@@ -198,7 +198,7 @@ pub(super) fn windows(flight: &FlightSteps, judged: &[Judged], rules: &Rules) ->
         let (own_steps, later_steps) = steps.split_at(count);
         let (own_judged, later_judged) = judged.split_at(count);
         let end_us = full_us.min(flight.last_us());
-        let length_s = seconds(start_us, end_us);
+        let length_s = scored.seconds(start_us, end_us);
         windows.push(Window {
             start_s: flight.seconds(start_us),
             length_s,

@@ -7,7 +7,7 @@ use super::Score;
 use super::deviation::{Deviation, finite, rate};
 use super::load::Reach;
 use super::periodic::{PHASES, Periodic};
-use super::report::{LatencyPart, Report, RunReport, Sensor, Tier};
+use super::report::{FlightPart, LatencyPart, Report, RunReport, Sensor, Tier};
 use super::rules::MOST_SATURATED;
 use super::section::Window;
 use super::table::{Table, or_dash};
@@ -59,6 +59,12 @@ fn flown(run: &RunReport, score: &Score) -> String {
         "{}: {:.1} s, of these {:.1} s {warm_up}, then {} hyperperiods\n",
         run.log, score.duration_s, score.warm_up_s, score.hyperperiods
     );
+    let FlightPart {
+        from_s,
+        to_s,
+        reason,
+    } = &run.part;
+    text += &format!("part of the log {from_s:.1} to {to_s:.1} s, {reason}\n");
     text += &format!(
         "policy {when}, reference {}, failsafe {} s, quantum {:.5} of full scale, seed {}\n",
         settings.reference.word(),
@@ -79,7 +85,21 @@ fn flown(run: &RunReport, score: &Score) -> String {
     if !run.gaps.is_empty() {
         let lost_s: f64 = run.gaps.iter().map(|gap| gap.length_s).sum();
         let count = run.gaps.len();
-        text += &format!("gaps in the log: {count}, {lost_s:.3} s together\n");
+        text += &format!("gaps in the log: {count}, {lost_s:.3} s together");
+        let failsafe_s = seconds(settings.failsafe);
+        text += match run
+            .gaps
+            .iter()
+            .filter(|gap| gap.length_s > failsafe_s)
+            .count()
+        {
+            0 => "\n".to_owned(),
+            long => format!("; {long} longer than a failsafe period are not scored\n"),
+        }
+        .as_str();
+    }
+    for note in &run.notes {
+        text += &format!("log: {note}\n");
     }
     text
 }

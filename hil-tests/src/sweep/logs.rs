@@ -96,7 +96,7 @@ pub(super) fn open(options: &SweepOptions, progress: &mut dyn Progress) -> Resul
 pub(super) fn no_log(folder: &Path, skipped: &[Skipped]) -> Refusal {
     let folder = folder.display();
     Refusal::new(match skipped.first() {
-        None => format!("{folder}: is an empty folder, name one with logs (ULog or CSV)"),
+        None => format!("{folder}: is an empty folder, name one with logs"),
         Some(first) => format!(
             "{folder}: none of its {} files is a log that can be replayed, the first: {}: {}",
             skipped.len(),
@@ -124,7 +124,7 @@ fn open_one(options: &SweepOptions, path: &Path) -> Result<Log> {
     if path.is_dir() {
         return Err(Refusal::new("is a folder, and folders in folders are not searched").into());
     }
-    let flight = Flight::read(path, options.replay.rotate)?;
+    let flight = Flight::read(path, options.replay.reading.clone())?;
     refusals::check_flight(&options.replay, &flight, &name)?;
     Ok(Log { name, flight })
 }

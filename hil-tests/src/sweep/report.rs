@@ -151,7 +151,8 @@ fn median(points: &[SweepPoint], settings: &Settings) -> Median {
 /// The options with their names in a replay's report.
 fn effective(options: &SweepOptions) -> Result<Value> {
     let replay = &options.replay;
-    let mut all = serde_json::to_value(options_in_effect(replay, replay.rotate.to_string()))?;
+    let mut all =
+        serde_json::to_value(options_in_effect(replay, replay.reading.rotate.to_string()))?;
     for axis in options.grid.axes() {
         all[axis.parameter().key()] = json!(axis.values());
     }

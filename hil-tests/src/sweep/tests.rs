@@ -18,7 +18,7 @@ fn options(log: &Path, grid: &str) -> SweepOptions {
     SweepOptions {
         replay: ReplayOptions {
             log: Some(log.to_owned()),
-            rotate: Rotate::Named(Rotation::NONE),
+            reading: Rotate::Named(Rotation::NONE).into(),
             ..ReplayOptions::default()
         },
         grid: grid_of(grid).expect("a grid"),

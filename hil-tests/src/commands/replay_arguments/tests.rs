@@ -12,6 +12,7 @@ use reflex::time::micros;
 
 use super::*;
 use crate::logics::LogicName;
+use recorded_flights::Rotate;
 
 #[derive(Parser)]
 struct Only {
@@ -127,7 +128,7 @@ fn every_option_arrives() {
         log: Some("a.csv".into()),
         settings,
         duration_s: Some(20.0),
-        rotate: "roll180".parse().unwrap(),
+        reading: "roll180".parse::<Rotate>().unwrap().into(),
         noise: false,
         defmt: Some("out.log".into()),
     };

@@ -92,6 +92,12 @@ pub(super) fn run_report(flight: &FlightSteps) -> RunReport {
         policy: "reactive".to_owned(),
         seed: 1,
         options: options(),
+        part: FlightPart {
+            from_s: 4.0,
+            to_s: 22.0,
+            reason: "the longest airborne part".to_owned(),
+        },
+        notes: Vec::new(),
         setpoint: SetpointSource::LowPassed,
         disarmed_s: None,
         gaps: vec![Gap {
@@ -160,6 +166,7 @@ fn every_field_that_others_rely_on_is_spelled_as_they_spell_it() {
         "/cpu/busy_fraction /cpu/instructions_per_run",
         "/windows/0/control/runs /windows/0/decisions/true_positive",
         "/windows/0/actuators/stale_fraction /windows/0/start_s /windows/0/length_s",
+        "/part/from_s /part/to_s /part/reason",
         "/options/reference /setpoint /gaps/0/start_s /board/virtual_s /counters/link_malformed",
     ]
     .iter()

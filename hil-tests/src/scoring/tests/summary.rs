@@ -43,6 +43,7 @@ fn verdict(text: &str) -> &str {
 
 const EXPECTED: &str = "\
 flight.ulg: 18.0 s, of these 2.0 s warm-up, then 8 hyperperiods
+part of the log 4.0 to 22.0 s, the longest airborne part
 policy reactive, P_run 0.8, reference last-run, failsafe 0.1 s, quantum 0.25000 of full scale, seed 1
 setpoint from the log's own attitude and rates, low-passed, rotation none, noise datasheet, motors oneshot125
 gaps in the log: 1, 0.013 s together
