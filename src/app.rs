@@ -443,6 +443,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         result: Result<ChipSetting, OrderError>,
     ) {
         self.record.call(at, Call::OrderDone(order, result));
+        // By the clock that orders are given by: with an older stamp the same would be due at once.
+        let at = self.record.clock();
         let Some(failures) = self.chips.on_order_done(at, &order, result) else {
             return;
         };
