@@ -15,6 +15,7 @@ use crate::closed_loop::{FlyOptions, Flyer, Mission, Scene, Stress, fly};
 use crate::logics::LogicName;
 use crate::progress::{Progress, Silent};
 
+pub(crate) use file::read;
 pub use file::{Scenario, read_all};
 pub use report::{ScenarioReport, Scenarios};
 

@@ -1,6 +1,6 @@
 //! The files of scenarios: scripts, and what is expected of the flight.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use reflex_config::{ConfigError, Document};
 use serde::Deserialize;
@@ -76,20 +76,27 @@ impl Scenario {
 pub fn read_all(is_native: bool) -> anyhow::Result<Vec<Scenario>> {
     let mut scenarios = Vec::new();
     for file in files()? {
-        let document = Document::open(&file)?;
-        let content: File = document.parse()?;
-        for (place, written) in content.scenario.into_iter().enumerate() {
-            if is_native && written.emulated {
-                continue;
-            }
-            let scene = Scene::load(ENVIRONMENT, &written.airframe, None)?;
-            let limits = limits_of(&scene, DURATION_S, is_native);
-            let error = |fault: usize, key: &str, line| -> ConfigError {
-                document.error_at(&format!("scenario.{place}.fault.{fault}.{key}"), line)
-            };
-            let script = Script::checked(&written.fault, &limits, error)?;
-            scenarios.push(Scenario { written, script });
+        scenarios.extend(read(&file, is_native)?);
+    }
+    Ok(scenarios)
+}
+
+/// The scenarios of one file; errors as those of [`read_all`].
+pub(crate) fn read(file: &Path, is_native: bool) -> anyhow::Result<Vec<Scenario>> {
+    let document = Document::open(file)?;
+    let content: File = document.parse()?;
+    let mut scenarios = Vec::new();
+    for (place, written) in content.scenario.into_iter().enumerate() {
+        if is_native && written.emulated {
+            continue;
         }
+        let scene = Scene::load(ENVIRONMENT, &written.airframe, None)?;
+        let limits = limits_of(&scene, DURATION_S, is_native);
+        let error = |fault: usize, key: &str, line| -> ConfigError {
+            document.error_at(&format!("scenario.{place}.fault.{fault}.{key}"), line)
+        };
+        let script = Script::checked(&written.fault, &limits, error)?;
+        scenarios.push(Scenario { written, script });
     }
     Ok(scenarios)
 }
