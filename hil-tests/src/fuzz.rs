@@ -17,6 +17,7 @@ mod misbehaving;
 mod records;
 mod samples;
 mod spoil;
+mod store;
 pub mod worker;
 
 use anyhow::Result;
@@ -59,7 +60,7 @@ enum Source {
 type Check = Box<dyn Fn(&[u8]) -> bool>;
 
 /// Everything that is fuzzed.
-pub const TARGETS: [Target; 12] = [
+pub const TARGETS: [Target; 13] = [
     logs::ULOG,
     logs::CSV,
     configuration::CONFIGURATION,
@@ -68,6 +69,7 @@ pub const TARGETS: [Target; 12] = [
     journals::FAULTS,
     journals::JOURNAL,
     records::SETTINGS,
+    store::STORE,
     records::CALLS,
     records::LOG,
     link::LINK,

@@ -34,6 +34,7 @@ pub mod logics;
 mod magnetometer;
 mod native;
 mod output_file;
+mod parallel;
 pub mod picture;
 pub mod plot;
 pub mod profile;
