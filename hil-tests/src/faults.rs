@@ -4,10 +4,12 @@
 
 mod distortion;
 mod kinds;
+mod random;
 mod script;
 mod signal;
 
 pub use distortion::{Distortion, Elements};
 pub use kinds::{Chip, Effect, KINDS, Kind, Said, Size, list};
+pub use random::any_script;
 pub use script::{Entry, Fault, Limits, Script};
 pub use signal::BrokenSensors;

@@ -32,6 +32,7 @@ pub mod logics;
 mod magnetometer;
 mod native;
 mod output_file;
+mod parallel;
 pub mod picture;
 pub mod plot;
 pub mod profile;

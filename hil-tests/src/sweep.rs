@@ -16,11 +16,10 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-use std::sync::mpsc;
-
-use anyhow::{Context, Result};
+use anyhow::Result;
 use reflex::settings::Settings;
 
+use crate::parallel;
 use crate::progress::Progress;
 use crate::replay::native;
 use crate::replay::options::ReplayOptions;
@@ -88,36 +87,16 @@ fn fly(
     points: &[Settings],
     progress: &mut dyn Progress,
 ) -> Result<Vec<Result<Score>>> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads)
-        .build()
-        .context("the threads of the sweep cannot be started")?;
-    let pairs = logs
+    let pairs: Vec<_> = logs
         .iter()
-        .flat_map(|log| points.iter().map(move |point| (log, point)));
-    let of = (logs.len() * points.len()) as f64;
-    let (sender, receiver) = mpsc::channel();
-    // Only here is the caller's progress touched: the threads report to this one.
-    let mut scores: Vec<(usize, Result<Score>)> = pool.in_place_scope(|scope| {
-        for (place, (log, point)) in pairs.enumerate() {
-            let sender = sender.clone();
-            scope.spawn(move |_| {
-                let replay = ReplayOptions {
-                    settings: *point,
-                    ..options.replay.clone()
-                };
-                // The receiver is gone only where another thread has panicked.
-                let _ = sender.send((place, native::fly_and_score(&log.flight, &replay)));
-            });
-        }
-        drop(sender);
-        (receiver.iter().enumerate())
-            .map(|(done, score)| {
-                progress.done((done + 1) as f64, of);
-                score
-            })
-            .collect()
-    });
-    scores.sort_by_key(|(place, _)| *place);
-    Ok(scores.into_iter().map(|(_, score)| score).collect())
+        .flat_map(|log| points.iter().map(move |point| (log, point)))
+        .collect();
+    let score = |(log, point): &(&Log, &Settings)| {
+        let replay = ReplayOptions {
+            settings: **point,
+            ..options.replay.clone()
+        };
+        native::fly_and_score(&log.flight, &replay)
+    };
+    parallel::map(&pairs, options.threads, score, progress)
 }

@@ -71,10 +71,7 @@ impl<G: Gains> Start<G> {
         put(&mut bytes, &MAGIC);
         put(&mut bytes, &Self::VERSION.to_le_bytes());
         put(&mut bytes, &(Self::LENGTH as u16).to_le_bytes());
-        let mut field = |field: [u8; 4]| put(&mut bytes, &field);
-        self.settings.write(&mut field);
-        self.airframe.write(&mut field);
-        self.gains.write(&mut field);
+        self.write(&mut |word| put(&mut bytes, &word));
         let checksum = CHECKSUM.checksum(&bytes);
         put(&mut bytes, &checksum.to_le_bytes());
         bytes
@@ -100,10 +97,24 @@ impl<G: Gains> Start<G> {
         if expected.to_le_bytes() != checksum {
             return Err(BlockError::Checksum);
         }
-        let mut field = || take(&mut content);
-        let settings = Settings::read(&mut field).ok_or(BlockError::Choice)?;
-        let airframe = Airframe::read(&mut field).ok_or(BlockError::Choice)?;
-        let gains = G::read(&mut field).ok_or(BlockError::Choice)?;
+        Self::read(&mut || take(&mut content), limits)
+    }
+
+    /// Hands every word on, in the order of the declarations.
+    pub(crate) fn write(&self, put: &mut impl FnMut([u8; 4])) {
+        self.settings.write(put);
+        self.airframe.write(put);
+        self.gains.write(put);
+    }
+
+    /// Reads what [`Self::write`] wrote, and checks it.
+    pub(crate) fn read(
+        word: &mut impl FnMut() -> Option<[u8; 4]>,
+        limits: &Limits,
+    ) -> Result<Self, BlockError> {
+        let settings = Settings::read(word).ok_or(BlockError::Choice)?;
+        let airframe = Airframe::read(word).ok_or(BlockError::Choice)?;
+        let gains = G::read(word).ok_or(BlockError::Choice)?;
         settings.check(limits).map_err(BlockError::Range)?;
         airframe.check().map_err(BlockError::Airframe)?;
         gains.check().map_err(BlockError::Gain)?;

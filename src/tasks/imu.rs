@@ -147,7 +147,7 @@ pub fn received<I: Imu, R: Recorder, L: ControlLogic>(
     None
 }
 
-/// When the sensor was heard, what fails meanwhile, and which registers are checked next.
+/// When the sensor was heard, what fails meanwhile, and which registers are still to be checked.
 #[derive(Debug)]
 pub struct Guard<I: Imu> {
     heard: Instant,
@@ -155,9 +155,8 @@ pub struct Guard<I: Imu> {
     failures: u8,
     /// The sensor answered to a repair since it was heard.
     answered: bool,
-    turn: usize,
-    check_due: bool,
-    sensor: core::marker::PhantomData<I>,
+    /// Checks that are still to be read, each behind a burst.
+    checks_due: &'static [I::Check],
 }
 
 /// Who keeps the guard: the owner of the sensor's bus.
@@ -185,9 +184,7 @@ impl<I: Imu> Guard<I> {
             heard: from,
             failures: 0,
             answered: false,
-            turn: 0,
-            check_due: false,
-            sensor: core::marker::PhantomData,
+            checks_due: &[],
         }
     }
 
@@ -208,10 +205,12 @@ impl<I: Imu> Guard<I> {
         most
     }
 
-    /// True where samples have stopped coming. Also has a check read behind the next burst: the
-    /// sensor may have forgotten what it is to do.
+    /// True where samples have stopped coming. Also has all checks read behind the next bursts: the
+    /// sensor may have forgotten what it is to do, or how large its counts are.
     pub fn is_silent(&mut self, now: Instant) -> bool {
-        self.check_due = true;
+        if self.checks_due.is_empty() {
+            self.checks_due = I::CHECKS;
+        }
         span(self.heard, now) > SILENCE
     }
 
@@ -234,12 +233,11 @@ impl<I: Imu> Guard<I> {
     /// The check to be read behind the burst of an interrupt at `at`, where one is due and ends
     /// before the next burst. The clock is read only where one is due.
     pub fn check(&mut self, at: Instant, now: impl FnOnce() -> Instant) -> Option<I::Check> {
-        if !self.check_due || span(at, now()) >= LATEST_CHECK {
+        let (check, rest) = self.checks_due.split_first()?;
+        if span(at, now()) >= LATEST_CHECK {
             return None;
         }
-        let check = I::CHECKS.get(self.turn)?;
-        self.check_due = false;
-        self.turn = (self.turn + 1) % I::CHECKS.len();
+        self.checks_due = rest;
         Some(*check)
     }
 }

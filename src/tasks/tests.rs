@@ -177,7 +177,7 @@ fn the_failsafe_sleeps_no_longer_than_a_watchdog_allows() {
 }
 
 #[test]
-fn a_silent_sensor_is_repaired_and_a_check_follows_the_next_burst_in_time() {
+fn a_silent_sensor_is_repaired_and_each_check_follows_a_burst_in_time() {
     let mut guard = Guard::<Sensor>::new(at_micros(0));
     assert_eq!(
         guard.check(at_micros(0), || at_micros(400)),
@@ -191,8 +191,10 @@ fn a_silent_sensor_is_repaired_and_a_check_follows_the_next_burst_in_time() {
         None,
         "too late"
     );
-    for expected in CHECKS.into_iter().chain(CHECKS) {
-        assert_eq!(guard.check(at_micros(0), || at_micros(599)), Some(expected));
+    for _ in 0..2 {
+        for expected in CHECKS {
+            assert_eq!(guard.check(at_micros(0), || at_micros(599)), Some(expected));
+        }
         assert_eq!(guard.check(at_micros(0), || at_micros(599)), None, "once");
         guard.hear(at_micros(30_000));
         assert!(!guard.is_silent(at_micros(40_000)));

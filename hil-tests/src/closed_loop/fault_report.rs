@@ -15,6 +15,11 @@ pub struct FaultReport {
     pub detected_by: Option<String>,
     /// The flight states from the first fault on, in their order.
     pub states: Vec<String>,
+    /// When the firmware stopped the motors, ms behind the first fault; null where they turned to the end.
+    pub stopped_ms: Option<f64>,
+    /// When all that it noticed was over for good: the state and phase of before, and no more faults of kinds that the
+    /// flight had not shown; ms behind the first fault, null where it noticed nothing or that was not so.
+    pub recovered_ms: Option<f64>,
     /// Largest tilt from level between the first fault and the end, or the cut of the motors, degrees.
     pub largest_tilt_deg: f64,
     /// How it ended.
@@ -23,6 +28,8 @@ pub struct FaultReport {
     pub bad_commands: u64,
     /// Longest time between two runs of control while armed, ms.
     pub longest_gap_ms: f64,
+    /// Longest time that a task kept a bus, ms; null on the emulated board, where gaps show it.
+    pub longest_transfer_ms: Option<f64>,
 }
 
 /// How a flight with a fault ends.
@@ -40,6 +47,9 @@ pub enum Outcome {
 }
 
 impl Outcome {
+    /// Every one.
+    pub const ALL: [Self; 4] = [Self::Flies, Self::Landed, Self::Cut, Self::Crashed];
+
     /// As in tables and files.
     #[must_use]
     pub fn word(self) -> &'static str {

@@ -57,6 +57,11 @@ pub(super) trait FlyingBoard {
     /// A chip breaks now, where an effect is that of a chip.
     fn strike(&mut self, effect: Effect);
 
+    /// The longest time that a task kept a bus, ns, where that is known.
+    fn longest_transfer_ns(&self) -> Option<u64> {
+        None
+    }
+
     /// The offset of the timers' update events from whole periods, ns.
     fn update_offset_ns(&self) -> u64;
 

@@ -96,6 +96,10 @@ impl FlyingBoard for FlyingNativeBoard {
         self.board.strike(effect);
     }
 
+    fn longest_transfer_ns(&self) -> Option<u64> {
+        Some(self.board.longest_transfer_ns())
+    }
+
     fn update_offset_ns(&self) -> u64 {
         0
     }

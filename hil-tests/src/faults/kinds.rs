@@ -8,6 +8,7 @@ use emulated_board::{Disturbance, SensorLine};
 use super::distortion::{Distortion, Elements};
 
 /// A kind of fault, at places that it has.
+#[derive(Debug)]
 pub struct Kind {
     /// As scripts name it.
     pub name: &'static str,
@@ -28,6 +29,8 @@ pub struct Size {
     pub unit: &'static str,
     /// The least and the most.
     pub range: [f64; 2],
+    /// The size at which, or near which, nothing is wrong.
+    pub harmless: f64,
 }
 
 /// What a fault does.
@@ -120,10 +123,11 @@ const IMU: &[&str] = &["imu"];
 const BUS: &[&str] = &["imu_bus"];
 const LINES: &[&str] = &["imu_line", "accelerometer_line", "magnetometer_line"];
 
-const fn size(unit: &'static str, least: f64, most: f64) -> Option<Size> {
+const fn size(unit: &'static str, range: [f64; 2], harmless: f64) -> Option<Size> {
     Some(Size {
         unit,
-        range: [least, most],
+        range,
+        harmless,
     })
 }
 
@@ -141,6 +145,16 @@ const fn kind(
         meaning,
         effect,
     }
+}
+
+const fn bias(places: &'static [&'static str], size: Option<Size>) -> Kind {
+    kind(
+        "bias",
+        places,
+        size,
+        "is added to samples",
+        |place, size| signal(place, Distortion::Bias(size)),
+    )
 }
 
 /// All kinds; those of one name are at different places.
@@ -172,42 +186,24 @@ pub const KINDS: &[Kind] = &[
     kind(
         "scaled",
         SENSORS,
-        size("", -10.0, 10.0),
+        size("", [-10.0, 10.0], 1.0),
         "samples are so many times as large",
         |place, size| signal(place, Distortion::Scaled(size)),
     ),
-    kind(
-        "bias",
-        GYROSCOPE,
-        size("deg/s", -500.0, 500.0),
-        "is added to samples",
-        |place, size| signal(place, Distortion::Bias(size)),
-    ),
-    kind(
-        "bias",
-        ACCELEROMETERS,
-        size("g", -4.0, 4.0),
-        "is added to samples",
-        |place, size| signal(place, Distortion::Bias(size)),
-    ),
-    kind(
-        "bias",
-        MAGNETOMETER,
-        size("gauss", -10.0, 10.0),
-        "is added to samples",
-        |place, size| signal(place, Distortion::Bias(size)),
-    ),
+    bias(GYROSCOPE, size("deg/s", [-500.0, 500.0], 0.0)),
+    bias(ACCELEROMETERS, size("g", [-4.0, 4.0], 0.0)),
+    bias(MAGNETOMETER, size("gauss", [-10.0, 10.0], 0.0)),
     kind(
         "drift",
         GYROSCOPE,
-        size("deg/s2", -10.0, 10.0),
+        size("deg/s2", [-10.0, 10.0], 0.0),
         "a bias that grows by this each second",
         |place, size| signal(place, Distortion::Drift(size)),
     ),
     kind(
         "turned",
         &["magnetometer"],
-        size("deg", -180.0, 180.0),
+        size("deg", [-180.0, 180.0], 0.0),
         "the field is turned about the drone's vertical",
         |place, size| signal(place, Distortion::Turned(size)),
     ),
@@ -217,21 +213,21 @@ pub const KINDS: &[Kind] = &[
     kind(
         "weak",
         MOTORS,
-        size("", 0.0, 1.0),
+        size("", [0.0, 1.0], 1.0),
         "the motor gives this share of its thrust",
         motor,
     ),
     kind(
         "charge",
         BATTERY,
-        size("", 0.0, 1.0),
+        size("", [0.0, 1.0], 1.0),
         "this share of the charge is left",
         |_, size| Some(Effect::Charge(size)),
     ),
     kind(
         "resistance",
         BATTERY,
-        size("", 1.0, 100.0),
+        size("", [1.0, 100.0], 1.0),
         "the inner resistance is so many times as large",
         |_, size| Some(Effect::Resistance(size)),
     ),
@@ -259,14 +255,14 @@ pub const KINDS: &[Kind] = &[
     kind(
         "storm",
         LINK,
-        size("", 2.0, 50.0),
+        size("", [2.0, 50.0], 2.0),
         "each setpoint or goal is sent so many times",
         |_, size| Some(Effect::Said(Said::Storm(size as u32))),
     ),
     kind(
         "garbage",
         LINK,
-        size("B/s", 100.0, 80_000.0),
+        size("B/s", [100.0, 80_000.0], 100.0),
         "random bytes between the frames",
         |_, size| Some(Effect::Said(Said::Garbage(size as u32))),
     ),
@@ -280,7 +276,7 @@ pub const KINDS: &[Kind] = &[
     kind(
         "flipped_bit",
         IMU,
-        size("", 0.0, 7.0),
+        size("", [0.0, 7.0], 0.0),
         "this bit of GYRO_CONFIG turns over, once",
         |_, size| Some(Effect::FlippedBit(size as u8)),
     ),
@@ -311,7 +307,7 @@ pub const KINDS: &[Kind] = &[
     kind(
         "data_held_by_chip",
         BUS,
-        size("clocks", 1.0, 100.0),
+        size("clocks", [1.0, 100.0], 1.0),
         "the chip holds SDA until it has seen so many clocks",
         |_, size| bus(Disturbance::DataHeldByChip { clocks: size as u8 }),
     ),
@@ -321,7 +317,7 @@ pub const KINDS: &[Kind] = &[
     kind(
         "stretched",
         BUS,
-        size("%", 100.0, 1000.0),
+        size("%", [100.0, 1000.0], 100.0),
         "all takes so much of its time",
         |_, size| {
             bus(Disturbance::Stretched {
@@ -332,7 +328,7 @@ pub const KINDS: &[Kind] = &[
     kind(
         "dma_late",
         BUS,
-        size("us", 1.0, 10_000.0),
+        size("us", [1.0, 10_000.0], 1.0),
         "flags of the DMA come late by this",
         |_, size| {
             bus(Disturbance::DmaLate {
@@ -370,7 +366,7 @@ pub const KINDS: &[Kind] = &[
     kind(
         "storm",
         LINES,
-        size("Hz", 1.0, 50_000.0),
+        size("Hz", [1.0, 50_000.0], 1.0),
         "the interrupt line picks up a square wave",
         |place, size| {
             bus(Disturbance::LineStorm {

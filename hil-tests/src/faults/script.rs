@@ -15,26 +15,26 @@ use std::fmt;
 use std::path::Path;
 
 use reflex_config::{ConfigError, Document};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::kinds::{Effect, KINDS, Kind};
 
 /// A fault as it is written.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Entry {
-    what: String,
+    pub(super) what: String,
     #[serde(rename = "where")]
-    place: String,
-    at_s: f64,
-    for_s: Option<f64>,
-    size: Option<f64>,
-    unit: Option<String>,
+    pub(super) place: String,
+    pub(super) at_s: f64,
+    pub(super) for_s: Option<f64>,
+    pub(super) size: Option<f64>,
+    pub(super) unit: Option<String>,
     #[serde(default)]
-    seed: u32,
+    pub(super) seed: u32,
 }
 
-#[derive(Deserialize)]
+#[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
     fault: Vec<Entry>,
@@ -95,16 +95,25 @@ impl Script {
     ///
     /// # Errors
     /// As those of [`Self::read`].
-    pub fn checked(
+    pub fn checked<E>(
         entries: &[Entry],
         limits: &Limits,
-        error: impl Fn(usize, &str, String) -> ConfigError,
-    ) -> Result<Self, ConfigError> {
+        error: impl Fn(usize, &str, String) -> E,
+    ) -> Result<Self, E> {
         let faults = entries.iter().enumerate().map(|(place, entry)| {
             let fault = entry.checked(limits);
             fault.map_err(|(key, line)| error(place, key, line))
         });
         faults.collect::<Result<_, _>>().map(Self)
+    }
+
+    /// Faults as a file has them.
+    ///
+    /// # Errors
+    /// None that is known: what was read can be written.
+    pub fn written(entries: &[Entry]) -> Result<String, toml::ser::Error> {
+        let fault = entries.to_vec();
+        toml::to_string(&File { fault })
     }
 
     /// No fault at all.
@@ -130,6 +139,23 @@ impl Script {
     }
 }
 
+impl Limits {
+    /// Which key asks for what no such flight can play, and why.
+    pub(super) fn refusal(&self, effect: Effect) -> Option<Refused> {
+        match effect {
+            Effect::Motor(motor, _) if motor >= self.motors => Some((
+                "where",
+                format!("is none of this drone's {} motors", self.motors),
+            )),
+            effect if self.is_native && effect.needs_emulator() => Some((
+                "what",
+                "needs the emulated board: leave out --native".to_owned(),
+            )),
+            _ => None,
+        }
+    }
+}
+
 /// A key at fault, and why.
 type Refused = (&'static str, String);
 
@@ -148,6 +174,18 @@ impl fmt::Display for Entry {
 }
 
 impl Entry {
+    /// The same kind of fault, on whatever axis or motor.
+    #[must_use]
+    pub fn is_like(&self, other: &Self) -> bool {
+        let part = |place: &str| {
+            place
+                .split('.')
+                .next()
+                .map(|part| part.trim_end_matches(char::is_numeric).to_owned())
+        };
+        self.what == other.what && part(&self.place) == part(&other.place)
+    }
+
     fn checked(&self, limits: &Limits) -> Result<Fault, Refused> {
         let kind = self.kind()?;
         let from_s = within(
@@ -167,27 +205,22 @@ impl Entry {
             }
         };
         let effect = self.effect(kind)?;
-        match effect {
-            Effect::Motor(motor, _) if motor >= limits.motors => Err((
-                "where",
-                format!(
-                    "`{}` is none of this drone's {} motors",
-                    self.place, limits.motors
-                ),
-            )),
-            effect if limits.is_native && effect.needs_emulator() => Err((
-                "what",
-                format!(
-                    "`{}` needs the emulated board: leave out --native",
-                    self.what
-                ),
-            )),
-            effect => Ok(Fault {
+        match limits.refusal(effect) {
+            Some((key, why)) => Err((key, format!("`{}` {why}", self.named(key)))),
+            None => Ok(Fault {
                 effect,
                 from_ns: nanos(limits, from_s),
                 until_ns,
                 seed: self.seed,
             }),
+        }
+    }
+
+    /// What a key says.
+    fn named(&self, key: &str) -> &str {
+        match key {
+            "where" => &self.place,
+            _ => &self.what,
         }
     }
 

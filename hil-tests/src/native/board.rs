@@ -150,6 +150,8 @@ impl NativeBoard {
         let _ = mpu6050::Mpu6050::new(Lent(&mut self.imu_bus)).init(&mut Lent(&mut delay));
         self.imu_bus.time.set_ns(IMU_START_NS);
         let _ = Mpu6050Driver::new(&mut self.imu_bus, ADDRESS).configure(&CONFIG);
+        self.imu_bus.time.forget_longest();
+        self.spi_time.forget_longest();
         self.agenda.set(Event::Timer, BOOT_NS);
         self.watch_imu();
         self.watch_chips();
@@ -191,6 +193,12 @@ impl NativeBoard {
             due_ns(Event::Chips),
         ];
         soonest.into_iter().fold(u64::MAX, u64::min)
+    }
+
+    /// The longest time since the start that a task kept a bus, ns.
+    pub(crate) fn longest_transfer_ns(&self) -> u64 {
+        let imu_ns = self.imu_bus.time.longest_ns();
+        imu_ns.max(self.spi_time.longest_ns())
     }
 
     /// Takes every call so far, without room for them being looked for anew.

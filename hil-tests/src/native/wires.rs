@@ -86,21 +86,51 @@ impl<C: Chip> Wire<C> {
 
 /// The time of a bus, ns: its transfers push it on.
 #[derive(Clone, Default)]
-pub(super) struct BusTime(Rc<Cell<u64>>);
+pub(super) struct BusTime(Rc<Cell<Times>>);
+
+#[derive(Clone, Copy, Default)]
+struct Times {
+    now_ns: u64,
+    /// When it was last put to use, and for how long it was at most.
+    begun_ns: u64,
+    longest_ns: u64,
+}
 
 impl BusTime {
     pub(super) fn now_ns(&self) -> u64 {
-        self.0.get()
+        self.0.get().now_ns
     }
 
     /// The bus is used next at this instant.
     pub(super) fn set_ns(&self, now_ns: u64) {
-        self.0.set(now_ns);
+        let times = self.0.get();
+        self.0.set(Times {
+            now_ns,
+            begun_ns: now_ns,
+            ..times
+        });
+    }
+
+    /// The longest time that a task kept it.
+    pub(super) fn longest_ns(&self) -> u64 {
+        self.0.get().longest_ns
+    }
+
+    /// What came before counts no more.
+    pub(super) fn forget_longest(&self) {
+        let times = self.0.get();
+        self.0.set(Times {
+            longest_ns: 0,
+            ..times
+        });
     }
 
     fn pass(&self, length_ns: u64) -> u64 {
-        self.0.set(self.0.get() + length_ns);
-        self.0.get()
+        let mut times = self.0.get();
+        times.now_ns += length_ns;
+        times.longest_ns = times.longest_ns.max(times.now_ns - times.begun_ns);
+        self.0.set(times);
+        times.now_ns
     }
 }
 

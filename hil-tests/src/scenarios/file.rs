@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use reflex_config::{ConfigError, Document};
 use serde::Deserialize;
 
-use super::{DURATION_S, ENVIRONMENT};
+use super::{AIRFRAME, ENVIRONMENT};
 use crate::closed_loop::{Outcome, Scene, limits_of};
 use crate::faults::{Entry, Script};
 use crate::toolchain;
@@ -15,8 +15,11 @@ use crate::toolchain;
 #[serde(deny_unknown_fields)]
 pub(super) struct Written {
     pub(super) name: String,
-    #[serde(default = "quad_x")]
+    #[serde(default = "airframe")]
     airframe: String,
+    /// From take-off to the end, s.
+    #[serde(default = "duration_s")]
+    duration_s: f64,
     /// The firmware notices within this, ms; without it, it need not.
     pub(super) detected_ms: Option<f64>,
     /// A state that it enters.
@@ -33,8 +36,13 @@ pub(super) struct Written {
     fault: Vec<Entry>,
 }
 
-fn quad_x() -> String {
-    "quad_x".to_owned()
+fn airframe() -> String {
+    AIRFRAME.to_owned()
+}
+
+/// The drone is up after ten seconds; most of what breaks then is over in ten more.
+fn duration_s() -> f64 {
+    20.0
 }
 
 #[derive(Deserialize)]
@@ -67,6 +75,20 @@ impl Scenario {
     pub(super) fn airframe(&self) -> &str {
         &self.written.airframe
     }
+
+    /// It is known to fail.
+    pub(super) fn is_weak(&self) -> bool {
+        self.written.weakness.is_some()
+    }
+
+    /// It breaks one thing alone, and that in the way of a fault.
+    pub(super) fn breaks_like(&self, fault: &Entry) -> bool {
+        matches!(self.written.fault.as_slice(), [own] if own.is_like(fault))
+    }
+
+    pub(super) fn duration_s(&self) -> f64 {
+        self.written.duration_s
+    }
 }
 
 /// All scenarios that a tier can play, in the order of their files.
@@ -83,7 +105,7 @@ pub fn read_all(is_native: bool) -> anyhow::Result<Vec<Scenario>> {
                 continue;
             }
             let scene = Scene::load(ENVIRONMENT, &written.airframe, None)?;
-            let limits = limits_of(&scene, DURATION_S, is_native);
+            let limits = limits_of(&scene, written.duration_s, is_native);
             let error = |fault: usize, key: &str, line| -> ConfigError {
                 document.error_at(&format!("scenario.{place}.fault.{fault}.{key}"), line)
             };

@@ -20,6 +20,7 @@ const LAYERS: [Layers; 2] = [
             &["airframe", "control", "dataflow", "estimate"],
             &["graph"],
             &["link", "reactive", "safety"],
+            &["store"],
             &["app"],
             &["tasks"],
         ],
@@ -39,6 +40,7 @@ const LAYERS: [Layers; 2] = [
             &[
                 "logics",
                 "magnetometer",
+                "parallel",
                 "picture",
                 "plot",
                 "scoring",
