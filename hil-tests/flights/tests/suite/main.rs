@@ -2,7 +2,6 @@
 
 mod csv_logs;
 mod dialects;
-mod fuzz;
 mod peers;
 mod recordings;
 mod replay;

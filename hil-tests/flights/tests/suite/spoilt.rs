@@ -2,7 +2,6 @@
 
 use std::io::Write;
 
-use proptest::prelude::*;
 use recorded_flights::recordings::recording;
 use recorded_flights::{Flight, Rotate};
 
@@ -129,17 +128,4 @@ fn a_crazyflie_is_read_forward_left_up_in_its_units() {
     assert_eq!(flight.accel.at(0), Some([0.0, 0.0, -9.806_65]));
     let motors = flight.motors.expect("motors");
     assert_eq!((motors.count, motors.track.len()), (4, 3000));
-}
-
-proptest! {
-    #[test]
-    fn garbage_behind_a_good_start_never_panics(
-        which in 0..7_usize,
-        keep in 0..3000_usize,
-        garbage in prop::collection::vec(any::<u8>(), 0..2000),
-    ) {
-        let logs = logs();
-        let (_, bytes) = &logs[which % logs.len()];
-        read(&[&bytes[..keep.min(bytes.len())], &garbage].concat());
-    }
 }
