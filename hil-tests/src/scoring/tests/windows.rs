@@ -51,3 +51,20 @@ fn a_miss_that_began_in_one_window_is_not_counted_again_in_the_next() {
         .collect();
     assert_eq!(misses, [(1, 0), (0, 1)]);
 }
+
+#[test]
+fn what_is_left_out_is_neither_counted_nor_timed() {
+    let mut flight = after_warm_up(0.0).leaving_out(vec![2500..10_500]);
+    end(&mut flight, 0.0, None);
+    assert!(!flight.leaves_out(2000) && flight.leaves_out(2500) && !flight.leaves_out(10_500));
+    // A run in between: what it wrote is held behind.
+    flight.hold(all(0.5));
+    flight.end_hyperperiod(11_000, all(0.5), run(Reason::Trigger, 0.75));
+    let last = flight.steps().last().expect("a step");
+    assert_eq!((last.before, last.held), (all(0.5), all(0.5)));
+    let score = scored(&flight);
+    assert_eq!((score.hyperperiods, score.section.control.runs), (2, 1));
+    // Ten milliseconds, of which eight are left out.
+    let rate_hz = score.section.control.rate_hz.expect("of 2 ms");
+    assert!((rate_hz - 500.0).abs() < 1e-6, "{rate_hz}");
+}
