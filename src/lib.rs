@@ -10,6 +10,7 @@
 //! - [`estimate`], [`control`], [`airframe`]: from samples to motor commands
 //! - [`safety`]: arming and the motor gate
 //! - [`link`], [`settings`], [`config`]: the world outside
+//! - [`store`]: what a restart must not forget
 //! - [`battery`]: how full it is; [`reset`]: what a start knows of the one before
 //! - [`sensors`], [`units`], [`time`], [`math`]: the words all of them are written in
 #![cfg_attr(not(test), no_std)]
@@ -43,6 +44,7 @@ pub mod reset;
 pub mod safety;
 pub mod sensors;
 pub mod settings;
+pub mod store;
 pub mod tasks;
 pub mod time;
 pub mod units;

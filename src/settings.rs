@@ -7,5 +7,5 @@
 pub use reflex_settings::gains;
 pub use reflex_settings::{
     Airframe, AirframeError, BlockError, Declared, FEWEST_MOTORS, Feedback, Limits, MOST_MOTORS,
-    Motor, MotorProtocol, OutOfRange, Pairs, Policy, Reference, Settings, Start, WarmUp,
+    Motor, MotorProtocol, OutOfRange, Pairs, Parameter, Policy, Reference, Settings, Start, WarmUp,
 };

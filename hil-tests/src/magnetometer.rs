@@ -9,7 +9,7 @@ use std::fmt;
 use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 
 use crate::refusal::Refusal;
-use reflex_settings::{BOARD, Setting, Value};
+use reflex_settings::{Declared, Setting, Settings, Value};
 
 /// Samples that each direction needs: single ones may be jumps.
 const FEWEST: usize = 5;
@@ -149,13 +149,13 @@ impl FoundIron {
     fn settings(&self) -> [(&'static Setting, [f64; 3]); 3] {
         let m = self.soft;
         let values = [
-            ("HARD_IRON", self.hard.into()),
-            ("SOFT_IRON_DIAGONAL", [m[(0, 0)], m[(1, 1)], m[(2, 2)]]),
-            ("SOFT_IRON_OFF_DIAGONAL", [m[(0, 1)], m[(0, 2)], m[(1, 2)]]),
+            ("hard_iron", self.hard.into()),
+            ("soft_iron_diagonal", [m[(0, 0)], m[(1, 1)], m[(2, 2)]]),
+            ("soft_iron_off_diagonal", [m[(0, 1)], m[(0, 2)], m[(1, 2)]]),
         ];
         values.map(|(name, value)| {
-            let setting = BOARD.iter().find(|setting| setting.name == name);
-            (setting.expect("the declarations of boards name it"), value)
+            let place = Settings::place(name).expect("the settings name it");
+            (&Settings::SETTINGS[place], value)
         })
     }
 }

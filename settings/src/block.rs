@@ -71,10 +71,7 @@ impl<G: Gains> Start<G> {
         put(&mut bytes, &MAGIC);
         put(&mut bytes, &Self::VERSION.to_le_bytes());
         put(&mut bytes, &(Self::LENGTH as u16).to_le_bytes());
-        let mut field = |field: [u8; 4]| put(&mut bytes, &field);
-        self.settings.write(&mut field);
-        self.airframe.write(&mut field);
-        self.gains.write(&mut field);
+        self.write(&mut |word| put(&mut bytes, &word));
         let checksum = CHECKSUM.checksum(&bytes);
         put(&mut bytes, &checksum.to_le_bytes());
         bytes
@@ -100,10 +97,24 @@ impl<G: Gains> Start<G> {
         if expected.to_le_bytes() != checksum {
             return Err(BlockError::Checksum);
         }
-        let mut field = || take(&mut content);
-        let settings = Settings::read(&mut field).ok_or(BlockError::Choice)?;
-        let airframe = Airframe::read(&mut field).ok_or(BlockError::Choice)?;
-        let gains = G::read(&mut field).ok_or(BlockError::Choice)?;
+        Self::read(&mut || take(&mut content), limits)
+    }
+
+    /// Hands every word on, in the order of the declarations.
+    pub(crate) fn write(&self, put: &mut impl FnMut([u8; 4])) {
+        self.settings.write(put);
+        self.airframe.write(put);
+        self.gains.write(put);
+    }
+
+    /// Reads what [`Self::write`] wrote, and checks it.
+    pub(crate) fn read(
+        word: &mut impl FnMut() -> Option<[u8; 4]>,
+        limits: &Limits,
+    ) -> Result<Self, BlockError> {
+        let settings = Settings::read(word).ok_or(BlockError::Choice)?;
+        let airframe = Airframe::read(word).ok_or(BlockError::Choice)?;
+        let gains = G::read(word).ok_or(BlockError::Choice)?;
         settings.check(limits).map_err(BlockError::Range)?;
         airframe.check().map_err(BlockError::Airframe)?;
         gains.check().map_err(BlockError::Gain)?;
@@ -223,6 +234,29 @@ mod tests {
         start.airframe = Airframe::new(0.05, &[]);
         let refused = Err(BlockError::Airframe(AirframeError::Count(0)));
         assert_eq!(read(&start.to_bytes()), refused);
+    }
+
+    #[test]
+    fn a_number_that_means_nothing_is_refused_where_it_stands_for_a_choice() {
+        let sound = start(shipped());
+        let airframe = Start::<Cascade>::LENGTH
+            - CHECKSUM_LENGTH
+            - 4 * Cascade::DECLARED.words()
+            - 4 * Airframe::WORDS;
+        let triggers = HEAD_LENGTH + 4 * Settings::place("triggers").expect("a setting");
+        // How many motors, and the turn of the first; inputs, of which there is none with the last bit.
+        let bad = [4.5, f32::NAN, -1.0, 300.0].map(|count| (airframe + 4, count.to_le_bytes()));
+        let turns =
+            [0.0, 0.5, f32::INFINITY, f32::NAN].map(|turn| (airframe + 12, turn.to_le_bytes()));
+        let inputs = [(triggers, [0x80, 0, 0, 0]), (triggers, [0, 1, 0, 0])];
+        for (place, number) in bad.iter().chain(&turns).chain(&inputs) {
+            let mut bytes = sound.to_bytes();
+            bytes[*place..place + 4].copy_from_slice(number);
+            let content = bytes.len() - CHECKSUM_LENGTH;
+            let checksum = CHECKSUM.checksum(&bytes[..content]);
+            bytes[content..].copy_from_slice(&checksum.to_le_bytes());
+            assert_eq!(read(&bytes), Err(BlockError::Choice), "{place} {number:?}");
+        }
     }
 
     proptest! {

@@ -1,7 +1,7 @@
 //! The constants of `config/boards/NAME.toml`: what may vary on one wiring.
 
 use crate::inputs::{Input, Rate};
-use crate::range::{Range, above, one_of, within};
+use crate::range::{above, one_of, within};
 use crate::setting::{Kind, Limit, Setting};
 
 const fn rate(rate: &Rate) -> Setting {
@@ -40,10 +40,6 @@ const fn cutoff(key: &'static str) -> Setting {
         .limited(Limit::BelowHalfTheImuRate)
 }
 
-const fn magnetometer(key: &'static str, range: Range, unit: &'static str) -> Setting {
-    Setting::of(["magnetometer", key], Kind::Axes(range), unit)
-}
-
 const fn battery(key: &'static str, kind: Kind, unit: &'static str) -> Setting {
     Setting::of(["battery", key], kind, unit)
 }
@@ -74,19 +70,6 @@ pub const BOARD: &[Setting] = &[
     .default("0.05")
     .named("STILL_GYRO")
     .meaning("Largest deviation from the mean at rest."),
-    magnetometer("hard_iron_gauss", within(-4.0, 4.0), "gauss")
-        .default("[0, 0, 0]")
-        .named("HARD_IRON")
-        .meaning("Field of the magnets that travel with the magnetometer, in body axes."),
-    // With these ranges the matrix always has an inverse.
-    magnetometer("soft_iron_diagonal", within(0.5, 2.0), "")
-        .default("[1, 1, 1]")
-        .named("SOFT_IRON_DIAGONAL")
-        .meaning("Of the symmetric matrix that undoes what steel bends: xx, yy, zz."),
-    magnetometer("soft_iron_off_diagonal", within(-0.2, 0.2), "")
-        .default("[0, 0, 0]")
-        .named("SOFT_IRON_OFF_DIAGONAL")
-        .meaning("Of the same matrix: xy, xz, yz."),
     Setting::of(
         ["link", "baud"],
         Kind::Count(one_of(&[

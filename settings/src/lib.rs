@@ -3,6 +3,7 @@
 //! - [`Setting`]: name, place in TOML, kind and range, unit, meaning, option of one value
 //! - [`declare!`]: a struct of settings, fields and declarations in one place
 //! - [`Settings`]: what may be chosen at each start; a [`Start`] is given them, airframe and gains
+//! - [`Parameter`]: one word of a start, under a number that later builds know again
 //! - [`REACTIVE`], [`INPUT`], [`SAFETY`], [`BOARD`]: what is fixed by a build
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
@@ -16,6 +17,7 @@ mod declare;
 pub mod gains;
 mod inputs;
 mod logics;
+mod parameter;
 mod range;
 mod reactive;
 mod safety;
@@ -32,6 +34,7 @@ pub use board::{BOARD, rates};
 pub use choices::{Choice, Choices, Feedback, MotorProtocol, Pairs, Policy, Reference};
 pub use declare::{Declared, Field};
 pub use inputs::{Declaration, Input, Inputs, Rate, Source, Unit};
+pub use parameter::Parameter;
 pub use range::{Range, above, between, from_below, one_of, within};
 pub use reactive::{INPUT, REACTIVE, of_input};
 pub use safety::SAFETY;

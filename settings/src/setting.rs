@@ -261,6 +261,22 @@ impl Kind {
         Self::Word(T::CHOICES)
     }
 
+    /// Tells kinds apart in what is stored: it never changes.
+    pub(crate) const fn number(&self) -> u8 {
+        match self {
+            Self::Number(_) => 0,
+            Self::Axes(_) => 1,
+            Self::Count(_) => 2,
+            Self::Span(_) => 3,
+            Self::Rate(_) => 4,
+            Self::Step { .. } => 5,
+            Self::WordOrSpan(..) => 6,
+            Self::Word(_) => 7,
+            Self::Flag => 8,
+            Self::Inputs => 9,
+        }
+    }
+
     /// How many numbers a value is.
     #[must_use]
     pub const fn numbers(&self) -> usize {

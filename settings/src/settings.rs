@@ -77,6 +77,27 @@ declare! {
         seed: u32 = Setting::of(
             ["learning", "exploration_seed"], Kind::Count(within(0.0, 4_294_967_295.0)), "")
             .default("1").option("seed", "NUMBER"),
+        /// What the inertial sensor's accelerometer shows beyond gravity while the drone stands level.
+        accel_trim: [f32; 3] = Setting::of(
+            ["calibration", "accel_trim_m_s2"], Kind::Axes(within(-1.0, 1.0)), "m/s2")
+            .of_board()
+            .default("[0, 0, 0]"),
+        /// Field of the magnets that travel with the magnetometer, in body axes.
+        hard_iron: [f32; 3] = Setting::of(
+            ["magnetometer", "hard_iron_gauss"], Kind::Axes(within(-4.0, 4.0)), "gauss")
+            .of_board()
+            .default("[0, 0, 0]"),
+        // With these ranges the matrix always has an inverse.
+        /// Of the symmetric matrix that undoes what steel bends: xx, yy, zz.
+        soft_iron_diagonal: [f32; 3] = Setting::of(
+            ["magnetometer", "soft_iron_diagonal"], Kind::Axes(within(0.5, 2.0)), "")
+            .of_board()
+            .default("[1, 1, 1]"),
+        /// Of the same matrix: xy, xz, yz.
+        soft_iron_off_diagonal: [f32; 3] = Setting::of(
+            ["magnetometer", "soft_iron_off_diagonal"], Kind::Axes(within(-0.2, 0.2)), "")
+            .of_board()
+            .default("[0, 0, 0]"),
     }
 }
 

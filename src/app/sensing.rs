@@ -59,6 +59,7 @@ pub(super) struct Sensing {
     arrival: Arrival,
     vertical: Vertical,
     accels: Accels,
+    iron: Iron,
     heading: Heading,
     /// The newest sample was not believed.
     lost: bool,
@@ -127,6 +128,7 @@ impl Sensing {
             arrival: Arrival::default(),
             vertical: Vertical::default(),
             accels: Accels::default(),
+            iron: Iron::of(settings),
             heading: Heading::default(),
             lost: false,
             bridged: false,
@@ -285,6 +287,11 @@ impl Sensing {
         motion
     }
 
+    /// How fast the body sinks, in m/s, where the accelerometer is believed.
+    pub(super) fn sinking(&self) -> Option<f32> {
+        self.trusts_force().then(|| self.vertical.sinking())
+    }
+
     /// The filtered specific force.
     pub(super) fn force(&self) -> SpecificForce {
         self.arrival.force()
@@ -314,7 +321,7 @@ impl Sensing {
         attitude: Quaternion,
         tell: &mut impl FnMut(Fault),
     ) -> Option<Vec3> {
-        let field = Iron::OF_BOARD.removed(field);
+        let field = self.iron.removed(field);
         self.calibration.take_field(field);
         self.bias?;
         // While motion is lost the estimate stands still: the field would follow it astray.

@@ -1,7 +1,7 @@
 //! Earth's field from a measured one: iron that travels with the chip bends it.
 
-use crate::config::{HARD_IRON, SOFT_IRON_DIAGONAL, SOFT_IRON_OFF_DIAGONAL};
 use crate::math::Vec3;
+use crate::settings::Settings;
 
 /// What the iron of a board does to a field in body axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,18 +22,21 @@ impl Iron {
         off_diagonal: [0.0; 3],
     };
 
-    /// That of the board's file.
-    pub const OF_BOARD: Self = Self {
-        hard: HARD_IRON,
-        diagonal: SOFT_IRON_DIAGONAL,
-        off_diagonal: SOFT_IRON_OFF_DIAGONAL,
-    };
+    /// That of the settings.
+    #[must_use]
+    pub const fn of(settings: &Settings) -> Self {
+        Self {
+            hard: settings.hard_iron,
+            diagonal: settings.soft_iron_diagonal,
+            off_diagonal: settings.soft_iron_off_diagonal,
+        }
+    }
 
     /// The field without the iron.
     #[inline]
     #[must_use]
     pub fn removed(&self, field: Vec3) -> Vec3 {
-        // Known when the firmware is built: a board without iron computes nothing.
+        // A board without iron computes nothing.
         if *self == Self::NONE {
             return field;
         }

@@ -58,6 +58,9 @@ impl fmt::Debug for SigningKey {
 }
 
 impl SigningKey {
+    /// Length of [`Self::to_bytes`].
+    pub const LENGTH: usize = 32 + 8;
+
     /// The key, where its stamp has 48 bits.
     #[must_use]
     pub fn new(secret: [u8; 32], stamp: u64) -> Option<Self> {
@@ -68,6 +71,24 @@ impl SigningKey {
     #[must_use]
     pub fn is_none(&self) -> bool {
         self.secret == [0; 32]
+    }
+
+    /// The bytes by which it is stored.
+    #[must_use]
+    pub fn to_bytes(&self) -> [u8; Self::LENGTH] {
+        let mut bytes = [0; Self::LENGTH];
+        let stored = self.secret.into_iter().chain(self.stamp.to_le_bytes());
+        for (place, byte) in bytes.iter_mut().zip(stored) {
+            *place = byte;
+        }
+        bytes
+    }
+
+    /// The key of such bytes, where they mean one.
+    #[must_use]
+    pub fn from_bytes(bytes: [u8; Self::LENGTH]) -> Option<Self> {
+        let (secret, stamp) = bytes.split_first_chunk()?;
+        Self::new(*secret, u64::from_le_bytes(stamp.try_into().ok()?))
     }
 
     fn hash(&self, signed: &[u8], link_and_stamp: &[u8]) -> [u8; HASH] {

@@ -29,6 +29,8 @@ numbered! {
         Battery,
         /// No reset that nobody asked for waits to be acknowledged.
         Reset,
+        /// The body answered the motors, since the start.
+        Motors,
         /// What reactive control learned are numbers.
         Models,
         /// The processor runs control in time.
@@ -53,6 +55,7 @@ impl Check {
             Self::MotorTest => "a motor is being tested",
             Self::Battery => "battery low, charge it",
             Self::Reset => "reset by itself, disarm to acknowledge",
+            Self::Motors => "motors were not answered, restart",
             Self::Models => "a learned model is no number, restart",
             Self::Load => "processor runs control late",
         }

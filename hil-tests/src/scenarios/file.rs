@@ -1,6 +1,6 @@
 //! The files of scenarios: scripts, and what is expected of the flight.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use reflex_config::{ConfigError, Document};
 use serde::Deserialize;
@@ -9,6 +9,9 @@ use super::{AIRFRAME, ENVIRONMENT};
 use crate::closed_loop::{Outcome, Scene, limits_of};
 use crate::faults::{Entry, Script};
 use crate::toolchain;
+
+/// No scenario is longer, s.
+const LONGEST_S: f64 = 3600.0;
 
 /// A scenario as it is written.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -98,20 +101,36 @@ impl Scenario {
 pub fn read_all(is_native: bool) -> anyhow::Result<Vec<Scenario>> {
     let mut scenarios = Vec::new();
     for file in files()? {
-        let document = Document::open(&file)?;
-        let content: File = document.parse()?;
-        for (place, written) in content.scenario.into_iter().enumerate() {
-            if is_native && written.emulated {
-                continue;
-            }
-            let scene = Scene::load(ENVIRONMENT, &written.airframe, None)?;
-            let limits = limits_of(&scene, written.duration_s, is_native);
-            let error = |fault: usize, key: &str, line| -> ConfigError {
-                document.error_at(&format!("scenario.{place}.fault.{fault}.{key}"), line)
-            };
-            let script = Script::checked(&written.fault, &limits, error)?;
-            scenarios.push(Scenario { written, script });
+        scenarios.extend(read(&file, is_native)?);
+    }
+    Ok(scenarios)
+}
+
+/// The scenarios of one file; errors as those of [`read_all`].
+pub(crate) fn read(file: &Path, is_native: bool) -> anyhow::Result<Vec<Scenario>> {
+    let document = Document::open(file)?;
+    let content: File = document.parse()?;
+    let mut scenarios = Vec::new();
+    for (place, written) in content.scenario.into_iter().enumerate() {
+        if is_native && written.emulated {
+            continue;
         }
+        if !(1.0..=LONGEST_S).contains(&written.duration_s) {
+            let line = format!(
+                "{} is out of range, must be 1 to {LONGEST_S} s",
+                written.duration_s
+            );
+            return Err(document
+                .error_at(&format!("scenario.{place}.duration_s"), line)
+                .into());
+        }
+        let scene = Scene::load(ENVIRONMENT, &written.airframe, None)?;
+        let limits = limits_of(&scene, written.duration_s, is_native);
+        let error = |fault: usize, key: &str, line| -> ConfigError {
+            document.error_at(&format!("scenario.{place}.fault.{fault}.{key}"), line)
+        };
+        let script = Script::checked(&written.fault, &limits, error)?;
+        scenarios.push(Scenario { written, script });
     }
     Ok(scenarios)
 }
