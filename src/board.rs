@@ -12,6 +12,7 @@
 //! | `guarded` | RTIC's resources as the tasks' |
 //! | `calls`, `settings_block` | symbols that a host reads and writes |
 //! | `watchdog`, `fault` | the last resort |
+//! | `keeper` | the store |
 //! | `last_words`, `reset` | what a start finds of the one before |
 
 pub mod calls;
@@ -19,6 +20,7 @@ mod clock;
 mod fault;
 pub mod guarded;
 pub mod idle;
+mod keeper;
 mod last_words;
 mod lines;
 mod reset;
@@ -30,13 +32,14 @@ use reflex::app::Event;
 #[cfg(board = "reflex_f427")]
 mod reflex_f427;
 #[cfg(board = "reflex_f427")]
-use reflex_f427::motors;
-#[cfg(board = "reflex_f427")]
 pub use reflex_f427::{
     Board as Started, ChipLine, Chips, Engine, Gauge, ImuLine, Link, Motors, imu, start,
 };
+#[cfg(board = "reflex_f427")]
+use reflex_f427::{Flash, motors};
 
 pub use clock::{now, sleep, sleep_until};
+pub use keeper::Keeper;
 pub use reflex::reset::Sign;
 pub use watchdog::{SIGNS, Watchdog};
 

@@ -16,6 +16,7 @@
 
 mod battery;
 mod chips;
+mod flash;
 mod i2c;
 pub mod imu;
 mod imu_line;
@@ -25,6 +26,7 @@ mod spi;
 
 pub use battery::Gauge;
 pub use chips::Chips;
+pub use flash::Flash;
 pub use i2c::Engine;
 pub use imu_line::ImuLine;
 pub use motors::Motors;
@@ -41,10 +43,11 @@ use stm32f4xx_hal::gpio::{self, AnyPin, Output, PinState, Pull, gpioa, gpioc, gp
 use stm32f4xx_hal::syscfg::SysCfg;
 use stm32f4xx_hal::{pac, prelude::*};
 
+use super::keeper::Keeper;
 use super::lines::Line;
 use super::settings_block::Given;
 use super::watchdog::{self, Watchdog};
-use super::{clock, reset, settings_block};
+use super::{clock, reset};
 
 /// The crystal in Hz.
 const CRYSTAL_HZ: u32 = 8_000_000;
@@ -71,6 +74,8 @@ pub struct Board {
     pub link: Link,
     /// The battery.
     pub gauge: Gauge,
+    /// What a restart must not forget.
+    pub keeper: Keeper,
     /// Running, to be fed from the failsafe timer.
     pub watchdog: Watchdog,
     /// Why it started.
@@ -95,7 +100,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     // The clock runs: from here on the log has time stamps.
     reset::tell(&reset);
     watchdog::warn_of_halts(&device.DBGMCU);
-    let start = settings_block::read();
+    let (keeper, start, stored) = Keeper::start(Flash::new(device.FLASH));
     let mixer = Mixer::new(&start.airframe);
     let (a, b) = (device.GPIOA.split(rcc), device.GPIOB.split(rcc));
     let (c, d) = (device.GPIOC.split(rcc), device.GPIOD.split(rcc));
@@ -139,7 +144,10 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     imu_bus.give_back(bus, &Ok(()));
     let imu_line = ImuLine::new(line, lines.1, device.TIM2, rcc);
     watchdog.feed();
-    let link = Link::new(port, LINK_WIRED, start.airframe.count());
+    let mut link = Link::new(port, LINK_WIRED, start.airframe.count());
+    if let Some(key) = stored.key {
+        link.restore(clock::now(), key);
+    }
     Board {
         imu_line,
         imu_bus,
@@ -148,6 +156,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
         motors,
         link,
         gauge,
+        keeper,
         watchdog,
         reset,
         start,

@@ -1,4 +1,4 @@
-//! Whether the body answers the motors: one that is lost, rates that are not its own.
+//! Whether the body answers the motors: lost ones, and wrong rates.
 //!
 //! Torque and lift that the command asks for, behind the motors' lag, are held against those that
 //! gyroscope and accelerometer show, a hundred times a second, whether control runs or not.

@@ -31,6 +31,10 @@ numbered! {
         Reset,
         /// The body answered the motors, since the start.
         Motors,
+        /// Nothing that was stored is missing unknown to the pilot.
+        Store,
+        /// Nothing is being stored.
+        Storing,
         /// What reactive control learned are numbers.
         Models,
         /// The processor runs control in time.
@@ -56,6 +60,8 @@ impl Check {
             Self::Battery => "battery low, charge it",
             Self::Reset => "reset by itself, disarm to acknowledge",
             Self::Motors => "motors were not answered, restart",
+            Self::Store => "settings lost, disarm to acknowledge",
+            Self::Storing => "settings are being stored, wait",
             Self::Models => "a learned model is no number, restart",
             Self::Load => "processor runs control late",
         }
@@ -65,7 +71,7 @@ impl Check {
 /// Checks that failed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
-pub struct Checks(u16);
+pub struct Checks(u32);
 
 impl Checks {
     /// None failed.
@@ -74,7 +80,7 @@ impl Checks {
     /// With one more, where it did not pass.
     #[must_use]
     pub fn and(self, check: Check, passed: bool) -> Self {
-        Self(self.0 | u16::from(!passed) << check.number())
+        Self(self.0 | u32::from(!passed) << check.number())
     }
 
     /// True where none failed.

@@ -8,7 +8,10 @@ use chip_models::stimulus::STANDARD_GRAVITY;
 use nalgebra::{UnitQuaternion, Vector3};
 use rand_distr::{Distribution, StandardNormal, Uniform};
 use random_streams::{Generator, generator};
-use recorded_flights::{Flight, LogFormat, Recorded, Rotation, RotationReason, Track, seconds};
+use recorded_flights::{
+    Flight, LogFormat, PartReason, Recorded, Rotation, RotationReason, Skipped, Span, Taken, Track,
+    seconds,
+};
 
 /// Time between samples in ns: twice as often as the inertial sensor takes them.
 const PERIOD_NS: i64 = 500_000;
@@ -125,10 +128,20 @@ pub fn flight(name: &str, seed: u64, script: impl FnOnce(&mut Dice) -> Vec<Part>
             at_ns += PERIOD_NS;
         }
     }
+    let duration_ns = gyro.last_time_ns().expect("a lead at least");
     Flight {
         name: format!("{name}, seed {seed}"),
         format: LogFormat::Csv,
-        duration_ns: gyro.last_time_ns().expect("a lead at least"),
+        duration_ns,
+        part: Taken {
+            span: Span {
+                from_ns: 0,
+                to_ns: duration_ns,
+            },
+            reason: PartReason::NothingShowsFlight,
+        },
+        skipped: Skipped::default(),
+        notes: Vec::new(),
         rotation: Rotation::NONE,
         rotation_reason: RotationReason::Named,
         gyro,
