@@ -1,4 +1,4 @@
-//! Random scripts of faults: promises that hold whatever breaks, and the smallest script that breaks one.
+//! Random scripts of faults: what holds whatever breaks, and what breaks it.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
