@@ -1,5 +1,7 @@
 //! What both tiers replay: the flight, its chips, and how much of it.
 
+use reflex::config::{CHIP_MOUNTING, IMU_MOUNTING};
+use reflex::settings::Mounting;
 use std::path::PathBuf;
 
 use anyhow::Result;
@@ -30,6 +32,7 @@ pub(crate) fn chip_options(flight: &Flight, options: &ReplayOptions) -> ChipOpti
             magnetometer: flight.mag.is_some(),
             ..Present::default()
         },
+        mountings: [IMU_MOUNTING, CHIP_MOUNTING].map(Mounting::axes),
         ..ChipOptions::default()
     }
 }
