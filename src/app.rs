@@ -48,6 +48,9 @@ use record::Record;
 use sensing::{Sensing, Taken};
 use storage::Storage;
 
+/// Rates (rad/s) of a drone that is turned to find its iron.
+const TURNED_BY_HAND: f32 = 0.15;
+
 /// The whole flight software above the board.
 #[derive(Debug)]
 pub struct Autopilot<R, L = Flown> {
@@ -410,6 +413,9 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.record.fault(Fault::ChipStuck(sample.input));
             self.on_chip_lost(sample.input);
         }
+        if sample.input == Input::ChipMag && self.is_turned_by_hand() {
+            self.record.event(Event::Field(sample.axes.to_array()));
+        }
         if self.chips.delivering().contains(sample.input) {
             let tell = &mut |fault| self.record.fault(fault);
             match sample.input {
@@ -422,13 +428,20 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
                 }
                 // What passed a threshold is no sample of the mean.
                 Input::ChipAccel if sample.cause != Cause::Threshold => {
-                    self.sensing.take_other_force(at, sample.axes, tell);
+                    let armed = self.safety.is_armed();
+                    self.sensing.take_other_force(at, sample.axes, armed, tell);
                 }
                 _ => {}
             }
         }
         let (command, tell) = (self.safety.applied(), self.record.labels());
         self.reactive.take_sample(at, sample, command, tell)
+    }
+
+    /// True where the field may show the board's iron: motors stand, and somebody turns the drone.
+    fn is_turned_by_hand(&self) -> bool {
+        let turning = self.sensing.motion().rotation.rates.0.max_norm() > TURNED_BY_HAND;
+        turning && self.safety.state() == FlightState::Disarmed
     }
 
     /// True where a chip is to be asked though nothing else raises its owner.

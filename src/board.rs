@@ -32,14 +32,13 @@ use reflex::app::Event;
 #[cfg(board = "reflex_f427")]
 mod reflex_f427;
 #[cfg(board = "reflex_f427")]
-pub use reflex_f427::{
-    Board as Started, ChipLine, Chips, Engine, Gauge, ImuLine, Link, Motors, imu, start,
-};
+use reflex_f427::motors;
 #[cfg(board = "reflex_f427")]
-use reflex_f427::{Flash, motors};
+pub use reflex_f427::{
+    Board as Started, ChipLine, Chips, Engine, Gauge, ImuLine, Keeper, Link, Motors, imu, start,
+};
 
 pub use clock::{now, sleep, sleep_until};
-pub use keeper::Keeper;
 pub use reflex::reset::Sign;
 pub use watchdog::{SIGNS, Watchdog};
 

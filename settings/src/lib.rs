@@ -31,7 +31,7 @@ pub use airframe::{
 };
 pub use block::{BlockError, Start};
 pub use board::{BOARD, rates};
-pub use choices::{Choice, Choices, Feedback, MotorProtocol, Pairs, Policy, Reference};
+pub use choices::{Choice, Choices, Feedback, MotorProtocol, Mounting, Pairs, Policy, Reference};
 pub use declare::{Declared, Field};
 pub use inputs::{Declaration, Input, Inputs, Rate, Source, Unit};
 pub use parameter::Parameter;

@@ -136,6 +136,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
                 Check::Gravity,
                 (force - GRAVITY).abs() <= ARMING_GRAVITY_ERROR,
             )
+            .and(Check::ImuMounting, self.sensing.stands_upright())
+            .and(Check::ChipMounting, !self.sensing.chip_is_aslant())
             .and(Check::Tilt, down.z >= sin_cos(ARMING_TILT.to_radians()).1)
             .and(Check::Setpoint, flies)
             .and(Check::Thrust, goal || thrust <= ARMING_THRUST)

@@ -50,6 +50,8 @@ const GAP: f32 = 0.02;
 const LONGEST_BRIDGE: Duration = micros(5_000_000);
 /// Force (m/s2) and rates (rad/s) of a drone at rest stay this near to their means.
 const AT_REST: f32 = 0.2;
+/// Cosine of the tilt beyond which a chip is mounted another way, rather than the drone set askew.
+const UPRIGHT: f32 = 0.7;
 /// Tilt (sine) between estimate and gravity at rest beyond which they disagree: 6 degrees.
 const LEVEL: f32 = 0.1;
 
@@ -345,13 +347,28 @@ impl Sensing {
         self.arrival.force()
     }
 
+    /// True where gravity is felt from below, if a drone at rest is not set on its side.
+    pub(super) fn stands_upright(&self) -> bool {
+        let force = self.force().0;
+        force.z < -UPRIGHT * force.norm()
+    }
+
+    /// True where the other chip feels gravity from elsewhere.
+    pub(super) fn chip_is_aslant(&self) -> bool {
+        self.accels.is_second_aslant()
+    }
+
     /// Takes a force (m/s2) that the other accelerometer felt.
     pub(super) fn take_other_force(
         &mut self,
         at: Instant,
         force: Vec3,
+        armed: bool,
         tell: &mut impl FnMut(Fault),
     ) {
+        if !armed {
+            self.accels.compare(self.accel.newest(), force);
+        }
         if self.accels.take(at, self.accel.newest(), force) {
             tell(Fault::AccelsApart);
         }

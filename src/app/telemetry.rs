@@ -66,6 +66,8 @@ pub enum Event {
     Fault(Fault, u32),
     /// Something that the drone is flown by stopped.
     Silent(Silence),
+    /// The field (gauss, body axes, with the board's iron) of a drone that is turned by hand.
+    Field([f32; 3]),
     /// What was stored, or is.
     Store(StoreEvent),
     /// The source of places moved its frame: places and goals are moved back into the drone's.

@@ -1,24 +1,24 @@
 //! The store of a board: read at the start, kept in idle.
 
+use embedded_storage::nor_flash::NorFlash;
 use reflex::app::{Autopilot, Recorder, StoreEvent};
 use reflex::graph::{CONFIGURED, ControlLogic};
 use reflex::store::{Content, Found, Store};
 use reflex::tasks::link::{Link, Port};
 use reflex::tasks::{Board, Lock, store};
 
-use super::Flash;
 use super::settings_block::{Given, choose, in_force};
 
 /// The store, and what the start found in it.
-pub struct Keeper {
-    store: Store<Flash>,
+pub struct Keeper<F> {
+    store: Store<F>,
     found: Found,
 }
 
-impl Keeper {
+impl<F: NorFlash> Keeper<F> {
     /// Reads it: with what the start is given, and what else was stored.
     #[inline(never)]
-    pub fn start(flash: Flash) -> (Self, Given, Content) {
+    pub fn start(flash: F) -> (Self, Given, Content) {
         let mut store = Store::new(flash);
         let (found, stored) = store.load();
         let (given, found) = choose(&stored.parameters, found);

@@ -26,7 +26,6 @@ mod spi;
 
 pub use battery::Gauge;
 pub use chips::Chips;
-pub use flash::Flash;
 pub use i2c::Engine;
 pub use imu_line::ImuLine;
 pub use motors::Motors;
@@ -35,6 +34,7 @@ use cortex_m::singleton;
 use embedded_hal_bus::util::AtomicCell;
 use reflex::airframe::Mixer;
 use reflex::config::LINK_WIRED;
+use reflex::link::SigningKey;
 use reflex::reset::Reset;
 use reflex::sensors::Input;
 use reflex::tasks::link;
@@ -43,7 +43,7 @@ use stm32f4xx_hal::gpio::{self, AnyPin, Output, PinState, Pull, gpioa, gpioc, gp
 use stm32f4xx_hal::syscfg::SysCfg;
 use stm32f4xx_hal::{pac, prelude::*};
 
-use super::keeper::Keeper;
+use super::keeper;
 use super::lines::Line;
 use super::settings_block::Given;
 use super::watchdog::{self, Watchdog};
@@ -54,6 +54,9 @@ const CRYSTAL_HZ: u32 = 8_000_000;
 
 /// The link over its port.
 pub type Link = link::Link<link_port::LinkPort>;
+
+/// What a restart must not forget, in this board's flash.
+pub type Keeper = keeper::Keeper<flash::Flash>;
 
 /// The interrupt of a sensor with a clock of its own, and the input that it announces.
 pub type ChipLine = (Input, Line<AnyPin<gpio::Input>>);
@@ -100,7 +103,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     // The clock runs: from here on the log has time stamps.
     reset::tell(&reset);
     watchdog::warn_of_halts(&device.DBGMCU);
-    let (keeper, start, stored) = Keeper::start(Flash::new(device.FLASH));
+    let (keeper, start, stored) = Keeper::start(flash::Flash::new(device.FLASH));
     let mixer = Mixer::new(&start.airframe);
     let (a, b) = (device.GPIOA.split(rcc), device.GPIOB.split(rcc));
     let (c, d) = (device.GPIOC.split(rcc), device.GPIOD.split(rcc));
@@ -144,10 +147,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     imu_bus.give_back(bus, &Ok(()));
     let imu_line = ImuLine::new(line, lines.1, device.TIM2, rcc);
     watchdog.feed();
-    let mut link = Link::new(port, LINK_WIRED, start.airframe.count());
-    if let Some(key) = stored.key {
-        link.restore(clock::now(), key);
-    }
+    let link = link(port, count, stored.key);
     Board {
         imu_line,
         imu_bus,
@@ -162,6 +162,15 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
         start,
         mixer,
     }
+}
+
+/// The link, which goes on with the key of an earlier start.
+fn link(port: link_port::LinkPort, motors: usize, key: Option<SigningKey>) -> Link {
+    let mut link = Link::new(port, LINK_WIRED, motors);
+    if let Some(key) = key {
+        link.restore(clock::now(), key);
+    }
+    link
 }
 
 /// The pins on which sensors with clocks of their own interrupt.

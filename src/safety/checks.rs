@@ -15,6 +15,10 @@ numbered! {
         Still,
         /// The specific force at rest is gravity.
         Gravity,
+        /// The inertial sensor feels gravity from below.
+        ImuMounting,
+        /// The other chip feels it from where the inertial sensor does.
+        ChipMounting,
         /// Estimate and gravity agree about the vertical.
         Level,
         /// The body is upright.
@@ -52,6 +56,8 @@ impl Check {
             Self::Configuration => "a sensor lost its configuration",
             Self::Still => "drone turns, keep still",
             Self::Gravity => "accelerometer is not near 1 g",
+            Self::ImuMounting => "imu feels no gravity below, mounting?",
+            Self::ChipMounting => "chip and imu feel gravity apart",
             Self::Level => "level and gravity disagree, keep still",
             Self::Tilt => "tilted, set level or check mounting",
             Self::Setpoint => "no fresh setpoint, nor goal and place",

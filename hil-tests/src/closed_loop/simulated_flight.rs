@@ -1,5 +1,7 @@
 //! A flight under way: world and autopilot in lockstep, looked at every 10 ms.
 
+use reflex::config::{CHIP_MOUNTING, IMU_MOUNTING};
+use reflex::settings::Mounting;
 use std::sync::Arc;
 
 use anyhow::Result;
@@ -73,6 +75,7 @@ impl<'o> SimulatedFlight<'o> {
             seed,
             noise: true,
             zero_rate: options.stress.zero_rate,
+            mountings: [IMU_MOUNTING, CHIP_MOUNTING].map(Mounting::axes),
             ..ChipOptions::default()
         };
         let board: Box<dyn FlyingBoard> = match flyer {

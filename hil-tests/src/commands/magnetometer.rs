@@ -1,5 +1,6 @@
 //! `cargo hil magnetometer`: the iron of a board, for its file.
 
+use std::fs;
 use std::path::PathBuf;
 
 use anyhow::Result;
@@ -12,7 +13,7 @@ use recorded_flights::{Flight, Part, Reading, Rotate};
 /// Which log shows it.
 #[derive(Clone, Debug, Args)]
 pub(super) struct MagnetometerArguments {
-    /// Log of the board being turned, of any format, its field without any calibration
+    /// Log of the board being turned: the firmware's own, or any, its field without any calibration
     log: PathBuf,
 
     /// How the log's axes lie in the body's: none, or such as roll180yaw90
@@ -22,15 +23,22 @@ pub(super) struct MagnetometerArguments {
 
 /// Prints the lines of a board's file.
 pub(super) fn run(arguments: &MagnetometerArguments) -> Result<()> {
-    // A board is turned on the ground.
-    let reading = Reading {
-        rotate: arguments.rotate,
-        part: Part::Between(None, None),
-        ..Reading::default()
-    };
-    let flight = Flight::read(&arguments.log, reading)?;
     let refuse = |line: &str| Refusal::new(format!("{}: {line}", arguments.log.display()));
-    let fields = flight.mag.ok_or_else(|| refuse("has no magnetometer"))?;
-    let iron = magnetometer::find(fields.values()).map_err(|line| refuse(&line.to_string()))?;
+    let logged =
+        fs::read(&arguments.log).map_or_else(|_| Vec::new(), |bytes| magnetometer::logged(&bytes));
+    let iron = if logged.is_empty() {
+        // A board is turned on the ground.
+        let reading = Reading {
+            rotate: arguments.rotate,
+            part: Part::Between(None, None),
+            ..Reading::default()
+        };
+        let flight = Flight::read(&arguments.log, reading)?;
+        let fields = flight.mag.ok_or_else(|| refuse("has no magnetometer"))?;
+        magnetometer::find(fields.values())
+    } else {
+        magnetometer::find(&logged)
+    };
+    let iron = iron.map_err(|line| refuse(&line.to_string()))?;
     super::print(&iron.to_string())
 }

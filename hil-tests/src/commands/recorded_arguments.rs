@@ -71,7 +71,7 @@ impl RecordedArguments {
             duration_s: self.duration,
             reading: self.reading.reading()?,
             noise: self.noise == NoiseName::Datasheet,
-            defmt: None,
+            ..ReplayOptions::default()
         })
     }
 

@@ -382,6 +382,18 @@ pub const KINDS: &[Kind] = &[
         },
     ),
     kind(
+        "deaf",
+        LINES,
+        size("%", [0.0, 100.0], 0.0),
+        "edges are lost, or come late, in this share of milliseconds",
+        |place, size| {
+            bus(Disturbance::LineDeaf {
+                line: line(place)?,
+                percent: size as u32,
+            })
+        },
+    ),
+    kind(
         "storm",
         LINES,
         size("Hz", [1.0, 50_000.0], 1.0),

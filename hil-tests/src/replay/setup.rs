@@ -4,6 +4,8 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use anyhow::Result;
+use reflex::config::{CHIP_MOUNTING, IMU_MOUNTING};
+use reflex::settings::Mounting;
 
 use super::options::ReplayOptions;
 use super::refusals;
@@ -31,6 +33,7 @@ pub(crate) fn chip_options(flight: &Flight, options: &ReplayOptions) -> ChipOpti
             magnetometer: flight.mag.is_some(),
             ..Present::default()
         },
+        mountings: [IMU_MOUNTING, CHIP_MOUNTING].map(Mounting::axes),
         ..ChipOptions::default()
     }
 }

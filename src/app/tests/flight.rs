@@ -588,3 +588,67 @@ fn nothing_is_written_while_armed_nor_armed_while_something_is_written() {
         assert_eq!(Stamped::decode(bytes), Ok((*stamped, bytes.len())));
     }
 }
+
+// Chips that are mounted another way than is said.
+
+/// After a second of both chips' samples at rest: what refuses to arm.
+fn refusals(imu: Vec3, chip: Vec3) -> Vec<String> {
+    let mut rig = Rig::new(SETTINGS);
+    for beat in 0..12 {
+        rig.readings(100, |now| felt(now, Vec3::ZERO, imu));
+        let sample = ChipSample {
+            input: Input::ChipAccel,
+            axes: chip + Vec3::new(0.01, -0.01, 0.02) * (beat % 5) as f32,
+            cause: Cause::DataReady,
+        };
+        let _ = rig.autopilot.on_chip(at_micros(rig.now), &sample);
+    }
+    rig.fly_at(0.0);
+    rig.told_pilot();
+    rig.tell(&ARM);
+    rig.told_pilot()
+}
+
+#[test]
+fn a_chip_that_lies_another_way_is_named() {
+    let (up, side) = (Vec3::new(0.0, 0.0, -GRAVITY), Vec3::new(0.0, -GRAVITY, 0.0));
+    let tilted = Vec3::new(-0.3, 0.0, -0.953_94) * GRAVITY;
+    let yawed = Vec3::new(0.0, -0.3, -0.953_94) * GRAVITY;
+    let line = |check: Check| format!("not armed: {}", check.text());
+    let (imu, chip) = (line(Check::ImuMounting), line(Check::ChipMounting));
+    assert_eq!(refusals(up, up), ["armed: armed by the pilot"]);
+    assert_eq!(refusals(tilted, tilted), ["armed: armed by the pilot"]);
+    for wrong in [-up, side] {
+        let told = refusals(up, wrong);
+        assert!(told.contains(&chip) && !told.contains(&imu), "{told:?}");
+        let told = refusals(wrong, up);
+        assert!(told.contains(&imu), "{told:?}");
+    }
+    assert_eq!(refusals(tilted, yawed), [chip]);
+}
+
+#[test]
+fn the_field_is_logged_while_the_drone_is_turned_by_hand_and_never_in_flight() {
+    let logged = |armed: bool, rate: i16| {
+        let mut rig = Rig::new(SETTINGS).standing();
+        if armed {
+            rig = rig.readied();
+        }
+        rig.milliseconds(200, |_| Some(rate));
+        while rig.autopilot.next_event().is_some() {}
+        let sample = ChipSample {
+            input: Input::ChipMag,
+            axes: Vec3::new(0.2, 0.0, 0.4),
+            cause: Cause::DataReady,
+        };
+        let _ = rig.autopilot.on_chip(at_micros(rig.now), &sample);
+        let events = core::iter::from_fn(|| rig.autopilot.next_event());
+        events
+            .filter(|event| *event == Event::Field([0.2, 0.0, 0.4]))
+            .count()
+    };
+    let turning = 400;
+    assert_eq!(logged(false, turning), 1);
+    assert_eq!(logged(false, 0), 0);
+    assert_eq!(logged(true, turning), 0);
+}

@@ -21,7 +21,7 @@ use crate::noise::{Noise, Stream, symmetric_axes};
 use crate::options::ChipOptions;
 use crate::oscillator::{self, Pace, Ticker};
 use crate::own_clock::OwnClock;
-use crate::stimulus::{Sensor, StimulusSource};
+use crate::stimulus::{Sensor, StimulusSource, mounted};
 
 /// Tolerance of the data rate. The datasheet gives none: typical of the family.
 const TOLERANCE: f64 = 0.05;
@@ -67,6 +67,8 @@ pub struct Magnetometer {
 impl Magnetometer {
     /// A die just powered: idle.
     pub fn new(source: Arc<dyn StimulusSource>, options: ChipOptions) -> Self {
+        let [_, axes] = options.mountings;
+        let source = mounted(source, axes);
         let present = options.present.magnetometer;
         let noisy = options.noise && present;
         let stream = Stream::Lsm303agrMagnetometerOscillator;

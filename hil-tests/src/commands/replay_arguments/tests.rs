@@ -131,6 +131,7 @@ fn every_option_arrives() {
         reading: "roll180".parse::<Rotate>().unwrap().into(),
         noise: false,
         defmt: Some("out.log".into()),
+        faults: None,
     };
     assert_eq!(options, expected);
 }
