@@ -5,10 +5,10 @@ use std::path::Path;
 use super::error::FlightError;
 use super::flight::{Flight, Reading, RotationReason, read_bytes, recording};
 use super::gaps::{self, Gap};
-use super::parts::{Flown, Span, Taken, spans};
+use super::parts::{Flown, Taken, spans};
 use super::recording::{Dropouts, Recording, Sensor, Vehicle};
 use super::skipped::{Skip, Skipped};
-use super::track::{Track, seconds};
+use super::track::{Span, Track, seconds};
 
 /// One signal of a log.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]

@@ -1,4 +1,4 @@
-//! The kinds of logs that can be read; each is known by its content, never by its name.
+//! The kinds of logs that can be read, each known by its content.
 //!
 //! A further kind is a file of this folder and a line of [`FORMATS`].
 

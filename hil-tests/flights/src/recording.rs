@@ -3,10 +3,9 @@
 use std::fmt;
 
 use super::error::Fault;
-use super::parts::Span;
 use super::rotation::Rotation;
 use super::skipped::Skipped;
-use super::track::{SECOND_NS, Track, seconds};
+use super::track::{SECOND_NS, Span, Track, seconds};
 
 /// The kinds of logs that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]

@@ -3,9 +3,8 @@
 //! Invariants: time rises strictly, there is a value for each time stamp. An
 //! empty track has no value at any time.
 
+use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-use super::parts::Span;
 
 /// Nanoseconds per second.
 pub(super) const SECOND_NS: i64 = 1_000_000_000;
@@ -14,6 +13,53 @@ pub(super) const SECOND_NS: i64 = 1_000_000_000;
 #[must_use]
 pub fn seconds(time_ns: i64) -> f64 {
     time_ns as f64 / SECOND_NS as f64
+}
+
+/// A span of log time, ns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// Its first instant.
+    pub from_ns: i64,
+    /// Its last.
+    pub to_ns: i64,
+}
+
+impl Span {
+    /// Its length, ns.
+    #[must_use]
+    pub fn length_ns(self) -> i64 {
+        self.to_ns.saturating_sub(self.from_ns)
+    }
+
+    /// What both have in common, if anything.
+    pub(super) fn and(self, other: Self) -> Option<Self> {
+        let both = Self {
+            from_ns: self.from_ns.max(other.from_ns),
+            to_ns: self.to_ns.min(other.to_ns),
+        };
+        (both.from_ns < both.to_ns).then_some(both)
+    }
+}
+
+impl serde::Serialize for Span {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        use serde::ser::SerializeStruct;
+        let mut span = serializer.serialize_struct("Span", 2)?;
+        span.serialize_field("from_s", &seconds(self.from_ns))?;
+        span.serialize_field("to_s", &seconds(self.to_ns))?;
+        span.end()
+    }
+}
+
+impl fmt::Display for Span {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{:.1} to {:.1} s",
+            seconds(self.from_ns),
+            seconds(self.to_ns)
+        )
+    }
 }
 
 /// Samples of a signal of `N` components, in log time (ns).

@@ -12,7 +12,8 @@ mod encoding;
 
 use csv::{ReaderBuilder, StringRecord};
 
-use self::columns::{Columns, Motor};
+use self::columns::Columns;
+use self::dialects::Motor;
 use self::encoding::decoded;
 use super::super::error::{Fault, Location, quoted};
 use super::super::recording::{LogFormat, MAX_MOTORS, Motors, Recording, Sensor, Vehicle};

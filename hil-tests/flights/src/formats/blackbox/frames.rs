@@ -1,4 +1,4 @@
-//! Walks over the frames of a Blackbox session, and finds its way back behind spoilt ones.
+//! Walks over the frames of a Blackbox session, and past spoilt ones.
 //!
 //! A frame counts once what follows looks like another, as in the vendor's own
 //! reader. Behind a spoilt one, frames of differences mean nothing until the

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use ardupilot_binlog::{FieldValue, MessageFormat};
 
 use super::super::super::error::Location;
-use super::messages::Flight;
 
 /// How each message begins, before the number of its kind.
 const MAGIC: [u8; 2] = [0xa3, 0x95];
@@ -84,8 +83,15 @@ impl Fields<'_> {
     }
 }
 
-/// Hands every message that can be read to the flight, and counts the rest.
-pub(super) fn read(bytes: &[u8], flight: &mut Flight) {
+/// Who makes something of messages.
+pub(super) trait Reader {
+    fn take(&mut self, message: &Message);
+    /// Bytes that are no message.
+    fn skip(&mut self, place: Location, what: &str, count: u64);
+}
+
+/// Hands every message that can be read to a reader, which counts the rest.
+pub(super) fn read(bytes: &[u8], flight: &mut impl Reader) {
     let mut formats = HashMap::new();
     let mut position = 0;
     // The first message, and the one behind garbage, must have another behind it.
@@ -119,7 +125,7 @@ pub(super) fn read(bytes: &[u8], flight: &mut Flight) {
     count_garbage(bytes, garbage_from, bytes.len(), flight);
 }
 
-fn count_garbage(bytes: &[u8], from: Option<usize>, to: usize, flight: &mut Flight) {
+fn count_garbage(bytes: &[u8], from: Option<usize>, to: usize, flight: &mut impl Reader) {
     let Some(from) = from else { return };
     let garbage = &bytes[from..to];
     let what = match garbage {
@@ -128,7 +134,7 @@ fn count_garbage(bytes: &[u8], from: Option<usize>, to: usize, flight: &mut Flig
         _ => "bytes of garbage",
     };
     let place = Location::Byte(from as u64);
-    flight.skipped.add_many(place, what, garbage.len() as u64);
+    flight.skip(place, what, garbage.len() as u64);
 }
 
 /// Kind and length of the message at a position, if one is there and the log holds all of it.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::UnitQuaternion;
 
-use super::super::super::error::Fault;
+use super::super::super::error::{Fault, Location};
 use super::super::super::quaternion::to_array;
 use super::super::super::recording::{
     Dropouts, LogFormat, MAX_MOTORS, Motors, Recorded, Recording, Sensor, Vehicle,
@@ -12,7 +12,7 @@ use super::super::super::recording::{
 use super::super::super::samples::Samples;
 use super::super::super::skipped::Skipped;
 use super::super::super::track::Track;
-use super::framing::{Fields, Message};
+use super::framing::{Fields, Message, Reader};
 
 /// The most channels of `RCOU`.
 const CHANNELS: usize = 14;
@@ -36,7 +36,7 @@ pub(super) struct Flight {
     vehicle: String,
     dropped: f64,
     now_ns: i64,
-    pub(super) skipped: Skipped,
+    skipped: Skipped,
 }
 
 /// The samples of one instance, and whether they ever changed.
@@ -54,9 +54,8 @@ impl Live {
     }
 }
 
-impl Flight {
-    /// Takes a message in.
-    pub(super) fn take(&mut self, message: &Message) {
+impl Reader for Flight {
+    fn take(&mut self, message: &Message) {
         let name = message.name();
         let is_wanted = matches!(
             name.trim_end_matches(|c: char| c.is_ascii_digit()),
@@ -107,6 +106,12 @@ impl Flight {
         }
     }
 
+    fn skip(&mut self, place: Location, what: &str, count: u64) {
+        self.skipped.add_many(place, what, count);
+    }
+}
+
+impl Flight {
     fn sensors(&mut self, message: &Message, fields: &Fields) {
         const KINDS: [(Sensor, [&str; 3], f64); 3] = [
             (Sensor::Gyroscope, ["GyrX", "GyrY", "GyrZ"], 1.0),

@@ -7,17 +7,6 @@ use super::super::super::recording::MAX_MOTORS;
 use super::super::super::units::{Quantity, Unit};
 use super::dialects::{Axes, DIALECTS, Dialect};
 
-/// What a motor's column counts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Motor {
-    /// 0 to 1 of full scale.
-    Share,
-    /// 65535 at full scale.
-    Of65535,
-    /// Pulses of 1000 to 2000 us, or up to 2047.
-    Betaflight,
-}
-
 /// Where a signal is, and in which unit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Group<const N: usize> {

@@ -2,7 +2,17 @@
 
 use super::super::super::recording::Frame;
 use super::super::super::units::{COUNTS, DEG_S, G, GAUSS, M_S2, MS, NS, RAD_S, US, Unit};
-use super::columns::Motor;
+
+/// What a motor's column counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Motor {
+    /// 0 to 1 of full scale.
+    Share,
+    /// 65535 at full scale.
+    Of65535,
+    /// Pulses of 1000 to 2000 us, or up to 2047.
+    Betaflight,
+}
 
 /// Names of three axes, and their unit where the header tells none.
 pub(super) type Axes = ([&'static str; 3], Unit);

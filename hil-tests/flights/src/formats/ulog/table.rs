@@ -3,6 +3,8 @@
 use px4_ulog::stream_parser::model::{FlattenedField, FlattenedFieldType};
 use px4_ulog::stream_parser::{DataMessage, LittleEndianParser};
 
+use super::super::super::track::Track;
+
 /// A topic and which of its fields are kept.
 pub(super) struct Topic {
     /// Name in the log.
@@ -210,4 +212,47 @@ fn number(field: &FlattenedField, data: &[u8]) -> f64 {
         FlattenedFieldType::Double => f64::parse(data),
         FlattenedFieldType::Bool => f64::from(u8::from(bool::parse(data))),
     }
+}
+
+/// Which of a message's time stamps counts.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Stamp {
+    /// When it was published.
+    Message,
+    /// When its sensor was read, where the topic says it.
+    Sample,
+}
+
+/// The messages of a topic with their byte offset and time (ns), those without a time left out.
+pub(super) fn timed<'a>(
+    table: &'a Table,
+    stamp: Stamp,
+) -> impl Iterator<Item = (usize, i64, Row<'a>)> + use<'a> {
+    /// Larger stamps are wrong, and would not be exact in what follows.
+    const LATEST_US: f64 = 4e15;
+    let sampled = table.column("timestamp_sample").filter(|&column| {
+        let first = table.rows().next();
+        stamp == Stamp::Sample && first.is_some_and(|(_, row)| row.get(column) > 0.0)
+    });
+    let column = sampled.or_else(|| table.column("timestamp"));
+    let time_us = move |row: Row| column.map(|column| row.get(column));
+    table.rows().filter_map(move |(offset, row)| {
+        let time_us = time_us(row).filter(|us| (0.0..LATEST_US).contains(us))?;
+        Some((offset, time_us as i64 * 1000, row))
+    })
+}
+
+/// The finite values of some columns.
+pub(super) fn finite<const N: usize>(
+    table: &Table,
+    stamp: Stamp,
+    mut value: impl FnMut(Row) -> Option<[f64; N]>,
+) -> Option<Track<N>> {
+    let mut track = Track::new();
+    for (_, time, row) in timed(table, stamp) {
+        if let Some(value) = value(row).filter(|v| v.iter().all(|c| c.is_finite())) {
+            track.push(time, value);
+        }
+    }
+    (!track.is_empty()).then_some(track)
 }

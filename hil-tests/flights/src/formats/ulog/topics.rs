@@ -9,7 +9,7 @@ use super::super::super::samples::Samples;
 use super::super::super::skipped::Skipped;
 use super::super::super::track::Track;
 use super::messages::Content;
-use super::table::{Row, Table};
+use super::table::{Row, Stamp, Table, finite, timed};
 use super::vehicle;
 
 /// The recording that a log's topics hold.
@@ -61,34 +61,6 @@ fn instances<'a>(tables: &'a [Table], topic: &str) -> Vec<&'a Table> {
 /// The instance of a topic with most messages.
 fn most<'a>(tables: &'a [Table], topic: &str) -> Option<&'a Table> {
     instances(tables, topic).into_iter().next()
-}
-
-/// Which of a message's time stamps counts.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Stamp {
-    /// When it was published.
-    Message,
-    /// When its sensor was read, where the topic says it.
-    Sample,
-}
-
-/// The messages of a topic with their byte offset and time (ns), those without a time left out.
-fn timed<'a>(
-    table: &'a Table,
-    stamp: Stamp,
-) -> impl Iterator<Item = (usize, i64, Row<'a>)> + use<'a> {
-    /// Larger stamps are wrong, and would not be exact in what follows.
-    const LATEST_US: f64 = 4e15;
-    let sampled = table.column("timestamp_sample").filter(|&column| {
-        let first = table.rows().next();
-        stamp == Stamp::Sample && first.is_some_and(|(_, row)| row.get(column) > 0.0)
-    });
-    let column = sampled.or_else(|| table.column("timestamp"));
-    let time_us = move |row: Row| column.map(|column| row.get(column));
-    table.rows().filter_map(move |(offset, row)| {
-        let time_us = time_us(row).filter(|us| (0.0..LATEST_US).contains(us))?;
-        Some((offset, time_us as i64 * 1000, row))
-    })
 }
 
 /// Three axes of a sensor: where they are, and how they are scaled.
@@ -240,21 +212,6 @@ fn magnetometer(tables: &[Table], skipped: &mut Skipped) -> Result<Option<Track<
         }
     }
     Ok(None)
-}
-
-/// The finite values of some columns.
-pub(super) fn finite<const N: usize>(
-    table: &Table,
-    stamp: Stamp,
-    mut value: impl FnMut(Row) -> Option<[f64; N]>,
-) -> Option<Track<N>> {
-    let mut track = Track::new();
-    for (_, time, row) in timed(table, stamp) {
-        if let Some(value) = value(row).filter(|v| v.iter().all(|c| c.is_finite())) {
-            track.push(time, value);
-        }
-    }
-    (!track.is_empty()).then_some(track)
 }
 
 /// Unit quaternions, w x y z; older logs mark those that hold nothing.

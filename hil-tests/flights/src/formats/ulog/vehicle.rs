@@ -4,8 +4,7 @@ use std::collections::HashMap;
 
 use super::super::super::recording::Vehicle;
 use super::super::super::track::Track;
-use super::table::Table;
-use super::topics::{Stamp, finite};
+use super::table::{Stamp, Table, finite};
 
 /// What the vehicle is.
 pub(super) fn of(texts: &HashMap<String, String>, status: Option<&Table>) -> Vehicle {
