@@ -105,6 +105,18 @@ fn a_wrong_value_names_file_line_key_and_range() {
             "[0.0, 3.55]",
             "battery.open_circuit: must be 1 to 64 pairs",
         ),
+        (
+            "vehicles/y6.toml",
+            "turn_on_deg_s = 0",
+            "turn_on_deg_s = 61",
+            "gyroscope.turn_on_deg_s: 61.0 is out of range, must be 0 to 60 deg/s",
+        ),
+        (
+            "vehicles/y6.toml",
+            "motor_gauss_per_a = [0, 0, 0]",
+            "motor_gauss_per_a = [0, 2, 0]",
+            "magnetometer.motor_gauss_per_a: [0.0, 2.0, 0.0] is out of range, must be each -0.1 to 0.1",
+        ),
     ] {
         let line = spoilt(file, from, to);
         assert!(

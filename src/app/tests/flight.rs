@@ -152,8 +152,12 @@ fn each_check_refuses_to_arm_by_its_name() {
     }
 }
 
-fn measured(rig: &mut Rig, volts: f32) {
-    let reading = BatteryReading { volts, amps: 1.0 };
+/// A battery of three cells is measured.
+fn measured(rig: &mut Rig, cell_v: f32) {
+    let reading = BatteryReading {
+        volts: 3.0 * cell_v,
+        amps: 1.0,
+    };
     rig.autopilot.on_battery(at_micros(rig.now), &reading);
 }
 
