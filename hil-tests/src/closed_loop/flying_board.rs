@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use reflex::app::{Fault, Ran, Telemetry};
+use reflex::battery::BatteryState;
 
 use super::desired::Desired;
 use super::report::Cpu;
@@ -53,6 +54,12 @@ pub(super) trait FlyingBoard {
 
     /// How often the firmware counted a fault.
     fn counted(&self, fault: Fault) -> u32;
+
+    /// What the battery's divider and shunt put on their pins from now on, mV.
+    fn measure(&mut self, pins_mv: [u32; 2]);
+
+    /// How full the firmware takes the battery for.
+    fn battery(&self) -> BatteryState;
 
     /// A chip breaks now, where an effect is that of a chip.
     fn strike(&mut self, effect: Effect);

@@ -74,7 +74,8 @@ fn flash(from: &mut Unstructured<'_>) -> Made<Vec<u8>> {
     for _ in 0..from.int_in_range(0..=4)? {
         let slot = SLOT * from.int_in_range(0..=SLOTS - 1)?;
         // Heads and first parameters more often than what is hardly ever used.
-        let at = slot + from.int_in_range(0..=if from.ratio(3, 4)? { 60 } else { SLOT - 1 })?;
+        let last = if from.ratio(3, 4)? { 60 } else { SLOT - 1 };
+        let at = slot + from.int_in_range(0..=last)?;
         bytes[at] = from.arbitrary()?;
         if from.ratio(3, 4)? {
             seal(&mut bytes[slot..slot + SLOT]);
