@@ -98,7 +98,7 @@ impl FaultWatch {
         let tilt = drone.state().tilt().to_degrees();
         self.largest_tilt = self.largest_tilt.max(tilt);
         let before = std::mem::replace(&mut self.newest, counts);
-        if usual.is_noticed(&before, &counts, &telemetry) {
+        if usual.is_noticed(&before, &counts, &telemetry) || battery > usual.battery {
             self.noticed_ns = now_ns;
         }
         if self.detected.is_none() {
