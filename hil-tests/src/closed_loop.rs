@@ -32,7 +32,7 @@ mod sensed_motion;
 mod simulated_flight;
 mod station;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 pub mod track;
 mod tracker;
 mod world;
