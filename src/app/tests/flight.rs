@@ -634,7 +634,7 @@ fn the_field_is_logged_while_the_drone_is_turned_by_hand_and_never_in_flight() {
         if armed {
             rig = rig.readied();
         }
-        rig.milliseconds(200, |_| Some(rate));
+        rig.milliseconds(200, |now| Some(rate + (now / 1000 % 3) as i16));
         while rig.autopilot.next_event().is_some() {}
         let sample = ChipSample {
             input: Input::ChipMag,
