@@ -14,6 +14,7 @@ mod flight;
 mod notice;
 mod record;
 mod sensing;
+mod storage;
 mod telemetry;
 
 pub use crate::reactive::{Next, Outcome, Reason};
@@ -21,6 +22,7 @@ pub use call::{Call, CallRing, DecodeError, LONGEST_RECORD, RING_LENGTH, Ran, Re
 pub use demand::Silence;
 pub use door::{ChipAction, ChipOrder, ChipSetting, Fault, OrderError};
 pub use sensing::{Condition, Health};
+pub use storage::{StoreEvent, Wish};
 pub use telemetry::{Event, Events, RunCounts, Telemetry};
 
 use crate::airframe::Mixer;
@@ -44,6 +46,10 @@ use chips::Chips;
 use demand::{Aim, Demand};
 use record::Record;
 use sensing::{Sensing, Taken};
+use storage::Storage;
+
+/// Rates (rad/s) of a drone that is turned to find its iron.
+const TURNED_BY_HAND: f32 = 0.15;
 
 /// The whole flight software above the board.
 #[derive(Debug)]
@@ -66,6 +72,8 @@ pub struct Autopilot<R, L = Flown> {
     chips: Chips,
     /// Why the board started.
     reset: Option<Reset>,
+    /// What waits to be stored.
+    storage: Storage,
     /// What flies it.
     battery: Battery,
     /// What happened.
@@ -96,6 +104,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             sound: Quaternion::IDENTITY,
             chips: Chips::new(&settings),
             reset: None,
+            storage: Storage::default(),
             battery: Battery::default(),
             record: Record::new(recorder),
         }
@@ -404,6 +413,9 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.record.fault(Fault::ChipStuck(sample.input));
             self.on_chip_lost(sample.input);
         }
+        if sample.input == Input::ChipMag && self.is_turned_by_hand() {
+            self.record.event(Event::Field(sample.axes.to_array()));
+        }
         if self.chips.delivering().contains(sample.input) {
             let tell = &mut |fault| self.record.fault(fault);
             match sample.input {
@@ -416,13 +428,20 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
                 }
                 // What passed a threshold is no sample of the mean.
                 Input::ChipAccel if sample.cause != Cause::Threshold => {
-                    self.sensing.take_other_force(at, sample.axes, tell);
+                    let armed = self.safety.is_armed();
+                    self.sensing.take_other_force(at, sample.axes, armed, tell);
                 }
                 _ => {}
             }
         }
         let (command, tell) = (self.safety.applied(), self.record.labels());
         self.reactive.take_sample(at, sample, command, tell)
+    }
+
+    /// True where the field may show the board's iron: motors stand, and somebody turns the drone.
+    fn is_turned_by_hand(&self) -> bool {
+        let turning = self.sensing.motion().rotation.rates.0.max_norm() > TURNED_BY_HAND;
+        turning && self.safety.state() == FlightState::Disarmed
     }
 
     /// True where a chip is to be asked though nothing else raises its owner.
@@ -484,6 +503,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             Message::Setpoint(setpoint) => self.on_setpoint(at, setpoint),
             Message::Arm(arm) => return self.on_arm(at, arm),
             Message::TestMotor(test) => return self.on_motor_test(at, test),
+            Message::Calibrate(what) => return (Next::Wait, Some(self.on_calibrate(at, *what))),
+            Message::Store(what) => return (Next::Wait, Some(self.on_store_command(*what))),
             Message::Pose(pose) => self.on_pose(at, pose),
             Message::Goal(destination) => self.on_goal(at, destination),
         }
@@ -683,6 +704,27 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     #[must_use]
     pub fn reset(&self) -> Option<&Reset> {
         self.reset.as_ref()
+    }
+
+    /// The store was read, is written, or is to be: the pilot is told.
+    pub fn on_store(&mut self, at: Instant, event: StoreEvent) {
+        self.record.call(at, Call::Store(event));
+        if let Some(notice) = self.storage.take(event) {
+            self.record.event(Event::Store(event));
+            self.record.notice(notice);
+        }
+    }
+
+    /// What is to be stored now, where something is and motors stand.
+    #[must_use]
+    pub fn to_store(&self) -> Option<Wish> {
+        self.storage.due().filter(|_| !self.stands_no_longer())
+    }
+
+    /// The accelerometer's trim in force, in m/s2.
+    #[must_use]
+    pub fn accel_trim(&self) -> [f32; 3] {
+        self.sensing.trim().to_array()
     }
 
     /// The battery was measured; its state, where that is new.

@@ -1,4 +1,4 @@
-//! Every code of every threshold register, from a physical value to the register and back.
+//! Every code of every threshold register, from a value to it and back.
 //!
 //! `thresholds.rs` tests the conversion alone; here orders go through the drivers into registers.
 

@@ -1,4 +1,4 @@
-//! The harness of fuzzing finds what it is for, keeps the input, and names the command that replays it.
+//! The harness of fuzzing finds what it is for, and keeps the input.
 
 use std::fs;
 use std::path::Path;

@@ -32,7 +32,7 @@ pub use airframe::{
 };
 pub use block::{BlockError, Start};
 pub use board::{BOARD, rates};
-pub use choices::{Choice, Choices, Feedback, MotorProtocol, Pairs, Policy, Reference};
+pub use choices::{Choice, Choices, Feedback, MotorProtocol, Mounting, Pairs, Policy, Reference};
 pub use declare::{Declared, Field};
 pub use inputs::{Declaration, Input, Inputs, Rate, Source, Unit};
 pub use parameter::Parameter;
@@ -43,6 +43,6 @@ pub use sensors::{
     HARD_IRON, MOTOR_FIELD, SOFT_IRON_DIAGONAL, SOFT_IRON_OFF_DIAGONAL, TURN_ON, WARMING,
 };
 pub use setting::{Kind, Limit, Limits, OutOfRange, Path, Setting, Value, Written};
-pub use settings::{Settings, WarmUp};
+pub use settings::{LARGEST_TRIM, Settings, WarmUp};
 pub use text::Unreadable;
 pub use time::{Duration, micros};

@@ -10,7 +10,7 @@ use crate::config::{
 use crate::control::{Goal, MotorTest, Setpoint, Yaw};
 use crate::estimate::{Response, Unanswered};
 use crate::graph::ControlLogic;
-use crate::link::{Answer, ArmCommand};
+use crate::link::{Answer, ArmCommand, Calibrate, StoreCommand};
 use crate::math::{Quaternion, sin_cos};
 use crate::reactive::PhaseEvent;
 use crate::safety::{Check, Checks, FlightEvent, FlightState, Seen};
@@ -31,12 +31,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         // Whoever disarms a drone that stands has read why it refused to be armed.
         if !asked.arm && self.safety.state() == FlightState::Disarmed {
             self.reset = None;
+            self.storage.acknowledge();
         }
-        let answer = if done {
-            Answer::Accepted
-        } else {
-            Answer::TemporarilyRejected
-        };
         // Motors that stop do so now, not when the next sample comes.
         let next = if asked.arm || self.safety.is_armed() {
             Next::Wait
@@ -44,7 +40,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.reactive.force(Reason::Ground);
             Next::Hyperperiod
         };
-        (next, Some(answer))
+        (next, Some(temporarily(done)))
     }
 
     /// One motor turns, while the drone is disarmed; a next test takes the place of one under way.
@@ -68,6 +64,38 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             }
         };
         (Next::Wait, Some(answer))
+    }
+
+    /// Measures what is to be known of a drone at rest, which it has been for a while.
+    pub(super) fn on_calibrate(&mut self, at: Instant, what: Calibrate) -> Answer {
+        let done = match (self.stands_no_longer(), what) {
+            (true, _) => Err(notice::CALIBRATE_ARMED),
+            (false, Calibrate::Gyroscope) => self.sensing.rest(at).map(drop),
+            (false, Calibrate::Level) => self.sensing.level(at),
+        };
+        let told = done.map(|()| {
+            self.storage.wish().trim |= what == Calibrate::Level;
+            notice::CALIBRATED
+        });
+        let accepted = told.is_ok();
+        self.record.notice(told.unwrap_or_else(|refused| refused));
+        temporarily(accepted)
+    }
+
+    /// Has the store keep or forget settings, while motors stand.
+    pub(super) fn on_store_command(&mut self, what: StoreCommand) -> Answer {
+        let stands = !self.stands_no_longer();
+        if stands {
+            let wish = self.storage.wish();
+            let keeps = what == StoreCommand::Save;
+            (wish.settings, wish.defaults) = (keeps, !keeps);
+        }
+        temporarily(stands)
+    }
+
+    /// True where motors may turn.
+    pub(super) fn stands_no_longer(&self) -> bool {
+        self.safety.is_armed() || self.safety.state() == FlightState::Testing
     }
 
     #[cold]
@@ -108,6 +136,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
                 Check::Gravity,
                 (force - GRAVITY).abs() <= ARMING_GRAVITY_ERROR,
             )
+            .and(Check::ImuMounting, self.sensing.stands_upright())
+            .and(Check::ChipMounting, !self.sensing.chip_is_aslant())
             .and(Check::Tilt, down.z >= sin_cos(ARMING_TILT.to_radians()).1)
             .and(Check::Setpoint, flies)
             .and(Check::Thrust, goal || thrust <= ARMING_THRUST)
@@ -124,6 +154,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
                 Check::Motors,
                 !self.safety.has_lost_motors() && self.record.faults(Fault::Contrary) == 0,
             )
+            .and(Check::Store, !self.storage.is_lost())
+            .and(Check::Storing, !self.storage.is_busy())
             .and(Check::Models, self.reactive.are_models_sane())
             .and(Check::Load, self.record.are_runs_in_time(now))
     }
@@ -342,6 +374,15 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         if !flies {
             self.move_state(FlightEvent::Unanswered, at);
         }
+    }
+}
+
+/// The answer to what is done, or may be done later.
+fn temporarily(done: bool) -> Answer {
+    if done {
+        Answer::Accepted
+    } else {
+        Answer::TemporarilyRejected
     }
 }
 

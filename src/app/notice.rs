@@ -32,6 +32,20 @@ pub(super) const NOT_DISARMED: Notice = Notice::new(
     "in the air, needs force (21196)",
 );
 
+/// Something was measured at rest.
+pub(super) const CALIBRATED: Notice = Notice::new(Severity::Info, "calibrated", "in force");
+
+/// Why nothing was measured.
+pub(super) const CALIBRATE_ARMED: Notice = not_calibrated("motors may turn");
+/// As above.
+pub(super) const CALIBRATE_MOVING: Notice = not_calibrated("keep still and ask again");
+/// As above.
+pub(super) const CALIBRATE_SLANTED: Notice = not_calibrated("further than 0.1 g from level");
+
+const fn not_calibrated(why: &'static str) -> Notice {
+    Notice::new(Severity::Warning, "not calibrated", why)
+}
+
 /// Something that the drone is flown by stopped.
 pub(super) const fn silent(silence: Silence) -> Notice {
     let why = match silence {
@@ -89,7 +103,13 @@ mod tests {
             .chain(Check::ALL.map(not_armed))
             .chain(silences)
             .chain((0..=8).map(motor_lost))
-            .chain([NOT_DISARMED, CONTRARY, PLACE_RESET, PLACE_JUMPED]);
+            .chain([NOT_DISARMED, CONTRARY, PLACE_RESET, PLACE_JUMPED])
+            .chain([
+                CALIBRATED,
+                CALIBRATE_ARMED,
+                CALIBRATE_MOVING,
+                CALIBRATE_SLANTED,
+            ]);
         for notice in all {
             let line: Vec<u8> = notice.line().collect();
             assert!(

@@ -1,4 +1,4 @@
-//! Whether the body answers the motors: one that is lost, rates that are not its own.
+//! Whether the body answers the motors: lost ones, and wrong rates.
 //!
 //! Torque and lift that the command asks for, behind the motors' lag, are held against those that
 //! gyroscope and accelerometer show, a hundred times a second, whether control runs or not.
@@ -15,7 +15,8 @@
 //! one motor. What pushes a body from outside is answered by control at once; against a lost
 //! motor, or by wrong rates, the more is asked for the less comes of it. A body that does not do
 //! as it is asked even when all is well, as that of a recorded flight, says nothing about motors:
-//! a loss is seen only where both agreed before.
+//! a verdict counts only where both agreed before. Wrong rates count as well in the first seconds
+//! in the air, as those of a sensor that was mounted another way.
 
 use crate::airframe::{Asked, Mixer};
 use crate::math::{Vec3, max, min, sqrt};
@@ -200,7 +201,9 @@ impl Response {
         } else {
             None
         };
-        let wrong = self.reversed >= LOOKS_REVERSED && self.missing < ONE_MOTOR.start;
+        let answered = self.agreed > AGREES || self.flown < USUAL;
+        let lifts = self.missing < ONE_MOTOR.start;
+        let wrong = self.reversed >= LOOKS_REVERSED && lifts && answered;
         lost.map(Unanswered::Motor)
             .or(wrong.then_some(Unanswered::Rates))
     }

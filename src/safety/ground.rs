@@ -1,4 +1,4 @@
-//! Whether the drone stands on the ground, may be in the air, or flies: the one verdict.
+//! Whether the drone stands, may be in the air, or flies: the one verdict.
 //!
 //! Nothing on board touches the ground, so it is drawn from what is asked of a drone that flies,
 //! and from what that does: held down, or in a hand, an accelerometer shows 1 g whatever the

@@ -6,7 +6,6 @@ use reflex::battery::BatteryState;
 
 use super::desired::Desired;
 use super::report::Cpu;
-use crate::faults::Effect;
 use crate::ground_station::LinkFrame;
 use crate::record::Counted;
 
@@ -60,9 +59,6 @@ pub(super) trait FlyingBoard {
 
     /// How full the firmware takes the battery for.
     fn battery(&self) -> BatteryState;
-
-    /// A chip breaks now, where an effect is that of a chip.
-    fn strike(&mut self, effect: Effect);
 
     /// The longest time that a task kept a bus, ns, where that is known.
     fn longest_transfer_ns(&self) -> Option<u64> {

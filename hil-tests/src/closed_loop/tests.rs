@@ -1,6 +1,6 @@
 //! Whole flights in closed loop: they stay up, they repeat, and both tiers hold.
 
-mod alarms;
+pub(crate) mod alarms;
 mod physics;
 
 use super::*;

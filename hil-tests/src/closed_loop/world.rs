@@ -54,13 +54,12 @@ impl World {
         (vehicle, airframe): (&Vehicle, &Airframe),
         environment: &Environment,
         seed: u64,
-        faults: &Script,
     ) -> Result<Self> {
         let bent = BentField::of(&vehicle.magnetometer);
         let vehicle = vehicle_of(vehicle, airframe);
         let weather = weather_of(environment, seed);
         let drone = Drone::new(&vehicle, Start::default(), &weather)?;
-        let sensed = Arc::new(SensedMotion::new(0, stimulus(&drone, &bent), faults));
+        let sensed = Arc::new(SensedMotion::new(0, stimulus(&drone, &bent)));
         Ok(Self {
             wind: dynamics::Wind::new(&weather, seed)?,
             air: Vector3::zeros(),
@@ -290,13 +289,7 @@ mod tests {
         let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("../config");
         let (vehicle, airframe) = Vehicle::load(&config, "quad_x").unwrap();
         let environment = Environment::load(&config, environment).unwrap();
-        World::new(
-            (&vehicle, &airframe),
-            &environment,
-            seed,
-            &Script::default(),
-        )
-        .unwrap()
+        World::new((&vehicle, &airframe), &environment, seed).unwrap()
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The autopilot under random calls: whatever comes, commands are sound and motors stand unless armed.
+//! The autopilot under random calls: sound commands, motors stand unless armed.
 //!
 //! An input is read as a list of steps: most let it fly on, others make calls that no board would make.
 
@@ -110,35 +110,43 @@ fn step(flyer: &mut Flyer, from: &mut Unstructured<'_>) -> Result<()> {
             let output = flyer.autopilot.on_timer(flyer.at());
             flyer.write(output);
         }
-        15 => {
-            let sample = ChipSample {
-                input: *from.choose(&Input::OF_CHIPS)?,
-                axes: vector(from)?,
-                cause: cause(from)?,
-            };
-            let next = flyer.autopilot.on_chip(flyer.at(), &sample);
-            flyer.follow(next);
-        }
+        15 => sample(flyer, from)?,
         16 => order(flyer, from)?,
         17 => taught(flyer, from)?,
         18 => {
             let fault = *from.choose(&Fault::ALL)?;
             flyer.autopilot.on_fault(flyer.at(), fault);
         }
-        _ => {
-            let reading = BatteryReading {
-                volts: number(from)?,
-                amps: number(from)?,
-            };
-            flyer.autopilot.on_battery(flyer.at(), &reading);
-            let reset = Reset {
-                cause: *from.choose(&ResetCause::ALL)?,
-                brown_out_mv: from.arbitrary()?,
-                last_words: None,
-            };
-            flyer.autopilot.on_reset(flyer.at(), &reset);
-        }
+        _ => found(flyer, from)?,
     }
+    Ok(())
+}
+
+/// A sample of a chip that nobody asked for.
+fn sample(flyer: &mut Flyer, from: &mut Unstructured<'_>) -> Result<()> {
+    let sample = ChipSample {
+        input: *from.choose(&Input::OF_CHIPS)?,
+        axes: vector(from)?,
+        cause: cause(from)?,
+    };
+    let next = flyer.autopilot.on_chip(flyer.at(), &sample);
+    flyer.follow(next);
+    Ok(())
+}
+
+/// What a board may find of its battery and of its start.
+fn found(flyer: &mut Flyer, from: &mut Unstructured<'_>) -> Result<()> {
+    let reading = BatteryReading {
+        volts: number(from)?,
+        amps: number(from)?,
+    };
+    flyer.autopilot.on_battery(flyer.at(), &reading);
+    let reset = Reset {
+        cause: *from.choose(&ResetCause::ALL)?,
+        brown_out_mv: from.arbitrary()?,
+        last_words: None,
+    };
+    flyer.autopilot.on_reset(flyer.at(), &reset);
     Ok(())
 }
 

@@ -1,4 +1,4 @@
-//! What users write: the files of `config/`, gains, and values on a command line.
+//! What users write: files of `config/`, gains, values on a command line.
 
 use std::collections::BTreeMap;
 use std::path::Path;

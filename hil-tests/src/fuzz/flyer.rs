@@ -1,4 +1,4 @@
-//! A board in small around the autopilot, which holds every call and every command to what must hold.
+//! A board in small around the autopilot: holds calls and commands to account.
 
 use reflex::airframe::MotorShares;
 use reflex::app::{

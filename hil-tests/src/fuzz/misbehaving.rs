@@ -1,4 +1,4 @@
-//! Targets that fail at one input in each way there is, so that the harness itself can be tested.
+//! Targets that fail at one input of ten: they test the harness itself.
 
 use std::hint::black_box;
 

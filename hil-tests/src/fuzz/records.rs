@@ -1,4 +1,4 @@
-//! What firmware and host tell each other in bytes: settings block, call log, log, last words.
+//! What firmware and host tell each other: settings, calls, log, last words.
 
 use std::cell::RefCell;
 

@@ -1,4 +1,4 @@
-//! The store in flash: whatever it holds, a start finds something that it can say, and can store anew.
+//! The store in flash: whatever it holds, it is named, and can be stored anew.
 
 use std::cell::RefCell;
 use std::rc::Rc;

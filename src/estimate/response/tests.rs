@@ -1,4 +1,4 @@
-//! A body that answers its motors, one that lacks some, and one that does what it likes.
+//! Bodies that answer their motors, lack some, or do what they like.
 
 use super::*;
 use crate::airframe::{LevelFirst, MotorShares};
