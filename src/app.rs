@@ -6,7 +6,6 @@
 //! A sample's way is `on_imu`, `on_hyperperiod` and `run` below: take, ask; then, where a run is
 //! due, estimate and control, gate, learn.
 
-mod airborne;
 mod call;
 mod chips;
 mod demand;
@@ -30,7 +29,7 @@ use crate::airframe::Mixer;
 use crate::battery::{Battery, BatteryReading, BatteryState};
 use crate::config::NOT_FINITE_LIMIT;
 use crate::control::Setpoint;
-use crate::estimate::{Followed, Motion, Place, in_small_turns};
+use crate::estimate::{Followed, Motion, Place, Response, in_small_turns};
 use crate::graph::{ControlLogic, Flown, Tuned};
 use crate::link::{Answer, Destination, ExternalPose, Message, Notice};
 use crate::math::{Quaternion, Vec3, wrapped};
@@ -43,7 +42,6 @@ use crate::safety::{FlightEvent, FlightState, MotorOutput, Passed, Safety};
 use crate::sensors::{Cause, ChipSample, ImuReading, Input, Inputs};
 use crate::settings::{Settings, Start};
 use crate::time::Instant;
-use airborne::Airborne;
 use chips::Chips;
 use demand::{Aim, Demand};
 use record::Record;
@@ -66,8 +64,8 @@ pub struct Autopilot<R, L = Flown> {
     graph: L,
     /// Whether motors may turn, and the gate to them.
     safety: Safety,
-    /// Whether it flies.
-    airborne: Airborne,
+    /// Whether the body answers the motors.
+    response: Response,
     /// The newest estimate that was sound.
     sound: Quaternion,
     /// Orders to the chips that compare by themselves.
@@ -102,7 +100,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             reactive: Reactive::new(&settings, &graph),
             graph,
             safety: Safety::new(motors),
-            airborne: Airborne::default(),
+            response: Response::default(),
             sound: Quaternion::IDENTITY,
             chips: Chips::new(&settings),
             reset: None,
@@ -124,6 +122,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         };
         if summed {
             self.ask(at);
+            self.watch_response(at);
         }
         self.reactive.end_hyperperiod(at, Inputs::OF_IMU)
     }
@@ -143,10 +142,11 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// Takes what the sensors say, runs the graph, passes the gate, learns.
     fn run(&mut self, now: Instant, reason: Reason) -> MotorOutput {
         self.check_silences(now);
-        self.sink(now);
+        self.aim(now);
         let motion = self.take_motion(now);
         self.propagate(now, &motion);
         self.watch_flight(now);
+        self.hold_integrals();
         let passed = self.pass_gate(now);
         self.learn(now, reason, &motion, &passed);
         passed.output
@@ -197,7 +197,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     fn realign(&mut self, at: Instant, turned: Option<Vec3>, rest: Option<Vec3>) {
         let estimate = self.graph.estimate();
         let bridged = turned.map(|turned| in_small_turns(estimate, turned));
-        let standing = (!self.airborne.is_airborne()).then(|| self.sensing.force().0);
+        let standing = (!self.safety.flies()).then(|| self.sensing.force().0);
         let level = rest.or(standing).and_then(|force| estimate.levelled(force));
         if let Some(attitude) = level.or(bridged) {
             self.graph.align(attitude);
@@ -251,12 +251,13 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         self.graph.take(motion, self.sensing.heading_error(now));
         self.graph.run();
         self.check_sound();
-        let (armed, thrust) = (self.safety.is_armed(), self.graph.collective().share());
-        self.airborne
-            .judge(now, armed, thrust, self.sensing.force().0);
-        if !armed {
+    }
+
+    /// On the ground integrals would only wind up.
+    fn hold_integrals(&mut self) {
+        if !self.safety.is_armed() {
             self.graph.reset_integrals();
-        } else if !self.airborne.is_airborne() {
+        } else if !self.safety.flies() {
             self.graph.stand();
         }
     }
@@ -462,6 +463,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         result: Result<ChipSetting, OrderError>,
     ) {
         self.record.call(at, Call::OrderDone(order, result));
+        // By the clock that orders are given by: with an older stamp the same would be due at once.
+        let at = self.record.clock();
         let Some(failures) = self.chips.on_order_done(at, &order, result) else {
             return;
         };

@@ -46,7 +46,8 @@ pub use plan::Plan;
 pub use shard::Shard;
 
 use crew::Orders;
-use journal::{Journal, Records, Stamp};
+pub(crate) use journal::Records;
+use journal::{Journal, Stamp};
 use plan::USUAL_HZ;
 use role::{Pace, Role};
 use rule::{Contender, Tempo};

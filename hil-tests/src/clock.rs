@@ -1,4 +1,6 @@
-//! The date of today: the only time that is read anywhere on the host.
+//! The date of today, and how long something took: the only times that are read on the host.
+
+use std::time::Duration;
 
 use chrono::{DateTime, Utc};
 
@@ -8,4 +10,12 @@ use chrono::{DateTime, Utc};
 pub fn today() -> String {
     let now: DateTime<Utc> = std::time::SystemTime::now().into();
     now.format("%Y-%m-%d").to_string()
+}
+
+/// How long it is since this call: for what a person gave so much time to, and for what may hang. It
+/// stands in no result.
+#[expect(clippy::disallowed_methods, reason = "the one place that may")]
+pub fn stopwatch() -> impl Fn() -> Duration {
+    let start = std::time::Instant::now();
+    move || start.elapsed()
 }

@@ -10,6 +10,7 @@ mod declared_options;
 mod faults;
 mod flight_numbers;
 mod fly;
+mod fuzz;
 mod graph;
 mod logic_arguments;
 mod magnetometer;
@@ -67,6 +68,8 @@ enum Command {
     Profile(profile::ProfileArguments),
     /// Draw a control logic as a graph, for Graphviz and as SVG
     Graph(graph::GraphArguments),
+    /// Try inputs that nobody meant on all that reads
+    Fuzz(fuzz::FuzzArguments),
     /// Find the hard and soft iron of a board in a log of its turning, for its file in config/boards/
     Magnetometer(magnetometer::MagnetometerArguments),
     /// Run everything that continuous integration runs
@@ -95,6 +98,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Bench(arguments) => bench::run(arguments),
         Command::Profile(arguments) => profile::run(arguments),
         Command::Graph(arguments) => graph::run(arguments),
+        Command::Fuzz(arguments) => fuzz::run(arguments),
         Command::Magnetometer(arguments) => magnetometer::run(arguments),
         Command::Test => test::run(),
     };

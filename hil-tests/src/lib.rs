@@ -14,6 +14,7 @@
 //! - [`costs`]: instructions, memory and locks of the firmware, against limits
 //! - [`profile`]: where the instructions of a flight go, by part, function and task
 //! - [`sweep`]: many of those over a grid of settings, drawn with [`plot`]
+//! - [`fuzz`]: inputs that nobody meant, for all that reads
 //! - [`picture`]: control logics drawn as graphs
 //! - [`firmware`]: builds and measures the ELF, with the [`toolchain`] it needs
 //! - [`ground_station`]: what is sent to a drone
@@ -26,6 +27,7 @@ pub mod commands;
 pub mod costs;
 pub mod faults;
 pub mod firmware;
+pub mod fuzz;
 pub mod ground_station;
 mod json;
 pub mod logics;

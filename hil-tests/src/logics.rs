@@ -14,8 +14,8 @@ use reflex::dataflow::{Description, Dirty};
 use reflex::estimate::{Motion, Place};
 use reflex::graph::{self, ControlLogic, Tuned};
 use reflex::math::Quaternion;
-use reflex::settings;
 use reflex::settings::gains::{self, Gains, LogicGains};
+use reflex::settings::{self, BlockError};
 use reflex::units::Thrust;
 
 pub use gain_set::GainSet;
@@ -94,6 +94,20 @@ macro_rules! any_logic {
             fn gains_of(self, numbers: &mut impl FnMut() -> Option<[u8; 4]>) -> Option<AnyGains> {
                 match self {
                     $(Self::$Logic => gains::$module::Gains::read(numbers).map(AnyGains::$Logic),)*
+                }
+            }
+
+            /// What a settings block gives firmware of this logic.
+            ///
+            /// # Errors
+            /// Why the firmware would refuse it.
+            pub fn start_of(self, block: &[u8]) -> Result<Start, BlockError> {
+                match self {
+                    $(Self::$Logic => {
+                        let settings::Start { settings, airframe, gains } =
+                            settings::Start::<gains::$module::Gains>::from_bytes(block, &config::LIMITS)?;
+                        Ok(Start { settings, airframe, gains: AnyGains::$Logic(gains) })
+                    })*
                 }
             }
 
@@ -229,5 +243,9 @@ impl ControlLogic for AnyLogic {
 
     fn mixer(&self) -> &Mixer {
         whichever!(self, logic => logic.mixer())
+    }
+
+    fn lose_motor(&mut self, motor: u8) {
+        whichever!(self, logic => logic.lose_motor(motor));
     }
 }

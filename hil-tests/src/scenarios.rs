@@ -20,6 +20,7 @@ use crate::parallel;
 use crate::progress::{Progress, Silent};
 
 use breach::Breach;
+pub(crate) use file::read;
 pub use file::{Scenario, read_all};
 pub use random::{RandomScripts, fly_random};
 pub use report::{ScenarioReport, Scenarios};

@@ -99,6 +99,14 @@ impl fmt::Display for AirframeError {
     }
 }
 
+/// The number of a propeller that turns clockwise; another's is less than zero by as much.
+const CLOCKWISE: f32 = 1.0;
+
+fn is_clockwise(number: f32) -> Option<bool> {
+    let clockwise = number > 0.0;
+    (number.abs() == CLOCKWISE).then_some(clockwise)
+}
+
 impl Airframe {
     /// How many numbers [`Self::write`] hands on.
     pub(crate) const WORDS: usize = 2 + 2 * MOST_MOTORS;
@@ -123,7 +131,8 @@ impl Airframe {
         airframe
     }
 
-    /// Reads what [`Self::write`] wrote, not yet checked; `None` where numbers are missing.
+    /// Reads what [`Self::write`] wrote, not yet checked; `None` where numbers are missing or mean
+    /// nothing.
     pub(crate) fn read(take: &mut impl FnMut() -> Option<[u8; 4]>) -> Option<Self> {
         let mut number = || take().map(f32::from_le_bytes);
         let (armed_minimum, count) = (number()?, number()?);
@@ -131,21 +140,26 @@ impl Airframe {
         for motor in &mut airframe.motors {
             *motor = Motor {
                 angle_deg: number()?,
-                clockwise: number()? > 0.0,
+                clockwise: is_clockwise(number()?)?,
             };
         }
         airframe.count = count as u8;
-        Some(airframe)
+        (f32::from(airframe.count) == count).then_some(airframe)
     }
 
     /// Hands its numbers' bytes on: least command, motors, then direction and turn of each place
-    /// for a motor. A propeller that turns clockwise is 1, another -1.
+    /// for a motor.
     pub(crate) fn write(&self, put: &mut dyn FnMut([u8; 4])) {
         put(self.armed_minimum.to_le_bytes());
         put(f32::from(self.count).to_le_bytes());
         for motor in &self.motors {
             put(motor.angle_deg.to_le_bytes());
-            put(if motor.clockwise { 1.0_f32 } else { -1.0 }.to_le_bytes());
+            put(if motor.clockwise {
+                CLOCKWISE
+            } else {
+                -CLOCKWISE
+            }
+            .to_le_bytes());
         }
     }
 

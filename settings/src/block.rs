@@ -234,6 +234,29 @@ mod tests {
         assert_eq!(read(&start.to_bytes()), refused);
     }
 
+    #[test]
+    fn a_number_that_means_nothing_is_refused_where_it_stands_for_a_choice() {
+        let sound = start(shipped());
+        let airframe = Start::<Cascade>::LENGTH
+            - CHECKSUM_LENGTH
+            - 4 * Cascade::DECLARED.words()
+            - 4 * Airframe::WORDS;
+        let triggers = HEAD_LENGTH + 4 * Settings::place("triggers").expect("a setting");
+        // How many motors, and the turn of the first; inputs, of which there is none with the last bit.
+        let bad = [4.5, f32::NAN, -1.0, 300.0].map(|count| (airframe + 4, count.to_le_bytes()));
+        let turns =
+            [0.0, 0.5, f32::INFINITY, f32::NAN].map(|turn| (airframe + 12, turn.to_le_bytes()));
+        let inputs = [(triggers, [0x80, 0, 0, 0]), (triggers, [0, 1, 0, 0])];
+        for (place, number) in bad.iter().chain(&turns).chain(&inputs) {
+            let mut bytes = sound.to_bytes();
+            bytes[*place..place + 4].copy_from_slice(number);
+            let content = bytes.len() - CHECKSUM_LENGTH;
+            let checksum = CHECKSUM.checksum(&bytes[..content]);
+            bytes[content..].copy_from_slice(&checksum.to_le_bytes());
+            assert_eq!(read(&bytes), Err(BlockError::Choice), "{place} {number:?}");
+        }
+    }
+
     proptest! {
         #[test]
         fn what_was_written_is_read(

@@ -237,7 +237,9 @@ impl Field for Inputs {
     }
 
     fn read(take: &mut impl FnMut() -> Option<[u8; 4]>) -> Option<Self> {
-        u32::read(take)?.try_into().ok().map(Self::from_bits)
+        let bits = u32::read(take)?.try_into().ok()?;
+        // A bit of no input is a mistake: of another version, or of whoever wrote the block.
+        Some(Self::from_bits(bits)).filter(|inputs| inputs.bits() == bits)
     }
 }
 

@@ -337,6 +337,11 @@ impl Sensing {
         motion
     }
 
+    /// How fast the body sinks, in m/s, where the accelerometer is believed.
+    pub(super) fn sinking(&self) -> Option<f32> {
+        self.trusts_force().then(|| self.vertical.sinking())
+    }
+
     /// The filtered specific force.
     pub(super) fn force(&self) -> SpecificForce {
         self.arrival.force()

@@ -56,6 +56,8 @@ pub enum Event {
     OrderFailed(ChipOrder, OrderError),
     /// The state of the flight changed, and why.
     Flight(FlightState, FlightEvent),
+    /// A motor, from 0, gives no lift.
+    MotorLost(u8),
     /// Motors were not armed: what failed.
     NotArmed(Checks),
     /// Motors were not disarmed: the drone is in the air.

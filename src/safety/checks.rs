@@ -33,6 +33,8 @@ numbered! {
         Battery,
         /// No reset that nobody asked for waits to be acknowledged.
         Reset,
+        /// The body answered the motors, since the start.
+        Motors,
         /// Nothing that was stored is missing unknown to the pilot.
         Store,
         /// Nothing is being stored.
@@ -63,6 +65,7 @@ impl Check {
             Self::MotorTest => "a motor is being tested",
             Self::Battery => "battery low, charge it",
             Self::Reset => "reset by itself, disarm to acknowledge",
+            Self::Motors => "motors were not answered, restart",
             Self::Store => "settings lost, disarm to acknowledge",
             Self::Storing => "settings are being stored, wait",
             Self::Models => "a learned model is no number, restart",

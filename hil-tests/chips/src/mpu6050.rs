@@ -129,6 +129,12 @@ impl Mpu6050 {
         self.store(address, value);
     }
 
+    /// From now on its clocks are faster by a share than they were at power-on.
+    pub fn hurry(&mut self, now_ns: u64, share: f64) {
+        self.advance(now_ns);
+        self.sampler.hurry(share);
+    }
+
     fn threshold_g(&self) -> f64 {
         let code = f64::from(self.registers.get(registers::MOT_THR));
         code * self.options.motion_threshold_lsb_mg / 1000.0

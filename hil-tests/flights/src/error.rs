@@ -90,28 +90,32 @@ impl fmt::Display for FlightError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Fault { location, reason } = &self.fault;
         let text = format!("{}: {location}{reason}", self.file.display());
-        // Names and cells come from outside: nothing in them may break the line.
-        for character in text.chars() {
-            if character.is_control() {
-                write!(f, "{}", character.escape_default())?;
-            } else {
-                write!(f, "{character}")?;
-            }
-        }
-        Ok(())
+        escaped(text.chars()).try_for_each(|character| write!(f, "{character}"))
     }
 }
 
 impl std::error::Error for FlightError {}
 
-/// A piece of a log, shortened so that it can be quoted in one line.
+/// Text from outside: nothing in it may break the line.
+fn escaped(text: impl Iterator<Item = char>) -> impl Iterator<Item = char> {
+    text.flat_map(|character| {
+        let is_control = character.is_control();
+        let escape = is_control.then(|| character.escape_default());
+        let plain = (!is_control).then_some(character);
+        escape.into_iter().flatten().chain(plain)
+    })
+}
+
+/// A piece of a log or of an option, shortened so that it can be quoted in one line.
 pub(super) fn quoted(text: &str) -> String {
     const LONGEST: usize = 40;
-    if text.chars().count() <= LONGEST {
-        return format!("'{text}'");
-    }
-    let start: String = text.chars().take(LONGEST).collect();
-    format!("'{start}...'")
+    let dots = if text.chars().count() > LONGEST {
+        "..."
+    } else {
+        ""
+    };
+    let start: String = escaped(text.chars().take(LONGEST)).collect();
+    format!("'{start}{dots}'")
 }
 
 #[cfg(test)]
@@ -128,5 +132,6 @@ mod tests {
     fn a_long_quotation_is_cut() {
         assert_eq!(quoted(&"x".repeat(1000)).len(), 45);
         assert_eq!(quoted("gx"), "'gx'");
+        assert_eq!(quoted("a\nb"), r"'a\nb'");
     }
 }

@@ -6,14 +6,14 @@ mod structure;
 use anyhow::{Context, Result};
 
 use super::bar::Bar;
-use super::bench;
+use super::{bench, fuzz};
 use crate::progress::Progress;
 use crate::toolchain::{self, TARGET};
 
 /// A check with its name.
 type Step = (&'static str, fn(&mut dyn Progress) -> Result<()>);
 
-const STEPS: [Step; 9] = [
+const STEPS: [Step; 10] = [
     ("structure of the sources", structure::check),
     ("formatting", formatting),
     ("lints on the host", lints_on_host),
@@ -21,6 +21,7 @@ const STEPS: [Step; 9] = [
     ("tests of firmware, drivers and configuration", quick_tests),
     ("instructions and their limits", bench::check),
     ("firmware and its budgets", budget::check),
+    ("inputs that nobody meant", fuzz::check),
     (
         "tests of emulated board, flights and replays",
         emulated_tests,

@@ -1,6 +1,6 @@
 //! The files of scenarios: scripts, and what is expected of the flight.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use reflex_config::{ConfigError, Document};
 use serde::Deserialize;
@@ -9,6 +9,9 @@ use super::{AIRFRAME, ENVIRONMENT};
 use crate::closed_loop::{Outcome, Scene, limits_of};
 use crate::faults::{Entry, Script};
 use crate::toolchain;
+
+/// No scenario is longer, s.
+const LONGEST_S: f64 = 3600.0;
 
 /// A scenario as it is written.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -29,10 +32,15 @@ pub(super) struct Written {
     /// Largest tilt on the way there, degrees.
     pub(super) tilt_deg: Option<f64>,
     /// Why the firmware is known not to do so.
-    pub(super) weakness: Option<String>,
+    weakness: Option<String>,
+    /// Control logics that it is a weakness of, in some flights; all, in every flight, without it.
+    weak_logics: Option<Vec<String>>,
     /// Only the emulated board can play it.
     #[serde(default)]
     emulated: bool,
+    /// Only the native tier can.
+    #[serde(default)]
+    native: bool,
     fault: Vec<Entry>,
 }
 
@@ -56,6 +64,7 @@ struct File {
 pub struct Scenario {
     pub(super) written: Written,
     pub(super) script: Script,
+    file: String,
 }
 
 impl Scenario {
@@ -63,6 +72,12 @@ impl Scenario {
     #[must_use]
     pub fn name(&self) -> &str {
         &self.written.name
+    }
+
+    /// The name of its file, without the end.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        &self.file
     }
 
     /// What it breaks, in the words of scripts.
@@ -76,9 +91,16 @@ impl Scenario {
         &self.written.airframe
     }
 
-    /// It is known to fail.
-    pub(super) fn is_weak(&self) -> bool {
-        self.written.weakness.is_some()
+    /// Why it is known to fail with a logic.
+    pub(super) fn weakness(&self, logic: &str) -> Option<&String> {
+        let logics = self.written.weak_logics.as_ref();
+        let is_weak = logics.is_none_or(|logics| logics.iter().any(|weak| weak == logic));
+        self.written.weakness.as_ref().filter(|_| is_weak)
+    }
+
+    /// It is known to fail in every flight.
+    pub(super) fn always_fails(&self) -> bool {
+        self.written.weakness.is_some() && self.written.weak_logics.is_none()
     }
 
     /// It breaks one thing alone, and that in the way of a fault.
@@ -98,20 +120,45 @@ impl Scenario {
 pub fn read_all(is_native: bool) -> anyhow::Result<Vec<Scenario>> {
     let mut scenarios = Vec::new();
     for file in files()? {
-        let document = Document::open(&file)?;
-        let content: File = document.parse()?;
-        for (place, written) in content.scenario.into_iter().enumerate() {
-            if is_native && written.emulated {
-                continue;
-            }
-            let scene = Scene::load(ENVIRONMENT, &written.airframe, None)?;
-            let limits = limits_of(&scene, written.duration_s, is_native);
-            let error = |fault: usize, key: &str, line| -> ConfigError {
-                document.error_at(&format!("scenario.{place}.fault.{fault}.{key}"), line)
-            };
-            let script = Script::checked(&written.fault, &limits, error)?;
-            scenarios.push(Scenario { written, script });
+        scenarios.extend(read(&file, is_native)?);
+    }
+    Ok(scenarios)
+}
+
+/// The scenarios of one file; errors as those of [`read_all`].
+pub(crate) fn read(file: &Path, is_native: bool) -> anyhow::Result<Vec<Scenario>> {
+    let document = Document::open(file)?;
+    let content: File = document.parse()?;
+    let mut scenarios = Vec::new();
+    for (place, written) in content.scenario.into_iter().enumerate() {
+        let elsewhere = match is_native {
+            true => written.emulated,
+            false => written.native,
+        };
+        if elsewhere {
+            continue;
         }
+        if !(1.0..=LONGEST_S).contains(&written.duration_s) {
+            let line = format!(
+                "{} is out of range, must be 1 to {LONGEST_S} s",
+                written.duration_s
+            );
+            return Err(document
+                .error_at(&format!("scenario.{place}.duration_s"), line)
+                .into());
+        }
+        let scene = Scene::load(ENVIRONMENT, &written.airframe, None)?;
+        let limits = limits_of(&scene, written.duration_s, is_native);
+        let error = |fault: usize, key: &str, line| -> ConfigError {
+            document.error_at(&format!("scenario.{place}.fault.{fault}.{key}"), line)
+        };
+        let script = Script::checked(&written.fault, &limits, error)?;
+        let file = file.file_stem().unwrap_or_default().to_string_lossy();
+        scenarios.push(Scenario {
+            written,
+            script,
+            file: file.into_owned(),
+        });
     }
     Ok(scenarios)
 }

@@ -50,6 +50,21 @@ fn with_threshold(change: f32) -> Rig {
 }
 
 #[test]
+fn orders_end_though_their_stamps_go_back() {
+    let mut rig = with_threshold(0.5);
+    rig.milliseconds(300, gusty);
+    let before = at_micros(rig.now - 3_000_000);
+    let mut given = 0;
+    while let Some(order) = rig.autopilot.next_order() {
+        rig.autopilot
+            .on_order_done(before, order, Ok(obeyed(order)));
+        given += 1;
+        assert!(given < 10, "{order:?} again");
+    }
+    assert!(given > 0, "heartbeats were due");
+}
+
+#[test]
 fn a_closed_chip_is_not_rearmed_and_read_only_before_its_heartbeat() {
     let mut rig = Rig::armed(short_warm_up());
     orders(&mut rig, 5_000);

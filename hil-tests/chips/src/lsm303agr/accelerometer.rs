@@ -267,6 +267,17 @@ impl OwnClock for Accelerometer {
         self.setup.rate_hz
     }
 
+    fn flip_threshold_bit(&mut self, now_ns: u64, bit: u8) {
+        self.advance(now_ns);
+        let value = self.registers.get(map::INT1_THS_A) ^ (1 << bit);
+        self.registers.write(map::INT1_THS_A, value);
+    }
+
+    fn hurry(&mut self, now_ns: u64, share: f64) {
+        self.advance(now_ns);
+        self.sampler.hurry(share);
+    }
+
     fn brown_out(&mut self, now_ns: u64) {
         self.advance(now_ns);
         self.registers = Registers::at_reset();

@@ -1,7 +1,6 @@
 //! Tests of the flights as a whole; what they share is here too.
 
 mod csv_logs;
-mod fuzz;
 mod recordings;
 mod replay;
 mod samples;

@@ -52,6 +52,7 @@ const LAYERS: [Layers; 2] = [
             &["profile", "scenarios", "sweep"],
             &["costs"],
             &["campaign"],
+            &["fuzz"],
             &["commands"],
         ],
     },
