@@ -47,7 +47,7 @@ pub(crate) fn script(flight: &Flight, options: &ReplayOptions, is_native: bool) 
     };
     let limits = Limits {
         take_off_ns: Standstill::default().length_ns(),
-        duration_s: length_ns(flight, options) as f64 * 1e-9,
+        duration_s: length_ns(flight, options) as f64 / 1e9,
         motors: None,
         is_native,
     };

@@ -510,7 +510,7 @@ const SENSELESS: &str = "
 what = 'sulk'; where = 'link'; at_s = 1 | 2: fault.0.what: `sulk` is unknown here
 what = 'zero'; where = 'nose'; at_s = 1 | 3: fault.0.where: `nose` is unknown here
 what = 'bias'; where = 'gyroscope'; at_s = 1; size = 1; unit = 'rad' | 6: fault.0.unit: `rad` is unknown here
-what = 'zero'; where = 'gyroscope'; at_s = 11 | 4: fault.0.at_s: 11 is out of range, must be 0 to 10
+what = 'zero'; where = 'gyroscope'; at_s = 11 | 4: fault.0.at_s: 11 is out of range, must be 0 to 9.998 s of the flight
 what = 'zero'; where = 'gyroscope'; at_s = 9; for_s = 2 | 5: fault.0.for_s: 2 is out of range
 what = 'lost'; where = 'motor1'; at_s = 1 | 2: fault.0.what: `lost` has no place in a replay
 what = 'held_low'; where = 'imu_line'; at_s = 1 | 2: fault.0.what: `held_low` needs the emulated board
