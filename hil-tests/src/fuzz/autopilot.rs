@@ -25,7 +25,7 @@ use crate::logics::{LogicName, Start};
 pub(super) const AUTOPILOT: Target = Target {
     name: "autopilot",
     reads: "calls of the autopilot in any order",
-    inputs: 400,
+    inputs: 4_000,
     load: || {
         Ok(Loaded::new(Source::Made(steps), |input| {
             fly(&mut Unstructured::new(input)).is_ok()
