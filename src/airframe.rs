@@ -6,6 +6,6 @@ mod motor_shares;
 mod pulse;
 
 pub use axes::Axes;
-pub use mixer::{Allocation, Evenly, LevelFirst, Mixed, Mixer, Shared, Sharing};
+pub use mixer::{Allocation, Asked, Evenly, LevelFirst, Mixed, Mixer, Shared, Sharing};
 pub use motor_shares::MotorShares;
 pub use pulse::{period_ticks, ticks};

@@ -6,7 +6,6 @@
 //! A sample's way is `on_imu`, `on_hyperperiod` and `run` below: take, ask; then, where a run is
 //! due, estimate and control, gate, learn.
 
-mod airborne;
 mod call;
 mod chips;
 mod demand;
@@ -15,6 +14,7 @@ mod flight;
 mod notice;
 mod record;
 mod sensing;
+mod storage;
 mod telemetry;
 
 pub use crate::reactive::{Next, Outcome, Reason};
@@ -22,13 +22,14 @@ pub use call::{Call, CallRing, DecodeError, LONGEST_RECORD, RING_LENGTH, Ran, Re
 pub use demand::Silence;
 pub use door::{ChipAction, ChipOrder, ChipSetting, Fault, OrderError};
 pub use sensing::{Condition, Health};
+pub use storage::{StoreEvent, Wish};
 pub use telemetry::{Event, Events, RunCounts, Telemetry};
 
 use crate::airframe::Mixer;
 use crate::battery::{Battery, BatteryReading, BatteryState};
 use crate::config::NOT_FINITE_LIMIT;
 use crate::control::Setpoint;
-use crate::estimate::{Followed, Motion, Place, in_small_turns};
+use crate::estimate::{Followed, Motion, Place, Response, in_small_turns};
 use crate::graph::{ControlLogic, Flown, Tuned};
 use crate::link::{Answer, Destination, ExternalPose, Message, Notice};
 use crate::math::{Quaternion, Vec3, wrapped};
@@ -41,11 +42,14 @@ use crate::safety::{FlightEvent, FlightState, MotorOutput, Passed, Safety};
 use crate::sensors::{Cause, ChipSample, ImuReading, Input, Inputs};
 use crate::settings::{Settings, Start};
 use crate::time::Instant;
-use airborne::Airborne;
 use chips::Chips;
 use demand::{Aim, Demand};
 use record::Record;
 use sensing::{Sensing, Taken};
+use storage::Storage;
+
+/// Rates (rad/s) of a drone that is turned to find its iron.
+const TURNED_BY_HAND: f32 = 0.15;
 
 /// The whole flight software above the board.
 #[derive(Debug)]
@@ -60,14 +64,16 @@ pub struct Autopilot<R, L = Flown> {
     graph: L,
     /// Whether motors may turn, and the gate to them.
     safety: Safety,
-    /// Whether it flies.
-    airborne: Airborne,
+    /// Whether the body answers the motors.
+    response: Response,
     /// The newest estimate that was sound.
     sound: Quaternion,
     /// Orders to the chips that compare by themselves.
     chips: Chips,
     /// Why the board started.
     reset: Option<Reset>,
+    /// What waits to be stored.
+    storage: Storage,
     /// What flies it.
     battery: Battery,
     /// What happened.
@@ -94,10 +100,11 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             reactive: Reactive::new(&settings, &graph),
             graph,
             safety: Safety::new(motors),
-            airborne: Airborne::default(),
+            response: Response::default(),
             sound: Quaternion::IDENTITY,
             chips: Chips::new(&settings),
             reset: None,
+            storage: Storage::default(),
             battery: Battery::default(),
             record: Record::new(recorder),
         }
@@ -115,6 +122,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         };
         if summed {
             self.ask(at);
+            self.watch_response(at);
         }
         self.reactive.end_hyperperiod(at, Inputs::OF_IMU)
     }
@@ -134,10 +142,11 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     /// Takes what the sensors say, runs the graph, passes the gate, learns.
     fn run(&mut self, now: Instant, reason: Reason) -> MotorOutput {
         self.check_silences(now);
-        self.sink(now);
+        self.aim(now);
         let motion = self.take_motion(now);
         self.propagate(now, &motion);
         self.watch_flight(now);
+        self.hold_integrals();
         let passed = self.pass_gate(now);
         self.learn(now, reason, &motion, &passed);
         passed.output
@@ -188,7 +197,7 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     fn realign(&mut self, at: Instant, turned: Option<Vec3>, rest: Option<Vec3>) {
         let estimate = self.graph.estimate();
         let bridged = turned.map(|turned| in_small_turns(estimate, turned));
-        let standing = (!self.airborne.is_airborne()).then(|| self.sensing.force().0);
+        let standing = (!self.safety.flies()).then(|| self.sensing.force().0);
         let level = rest.or(standing).and_then(|force| estimate.levelled(force));
         if let Some(attitude) = level.or(bridged) {
             self.graph.align(attitude);
@@ -242,12 +251,13 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         self.graph.take(motion, self.sensing.heading_error(now));
         self.graph.run();
         self.check_sound();
-        let (armed, thrust) = (self.safety.is_armed(), self.graph.collective().share());
-        self.airborne
-            .judge(now, armed, thrust, self.sensing.force().0);
-        if !armed {
+    }
+
+    /// On the ground integrals would only wind up.
+    fn hold_integrals(&mut self) {
+        if !self.safety.is_armed() {
             self.graph.reset_integrals();
-        } else if !self.airborne.is_airborne() {
+        } else if !self.safety.flies() {
             self.graph.stand();
         }
     }
@@ -403,6 +413,9 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.record.fault(Fault::ChipStuck(sample.input));
             self.on_chip_lost(sample.input);
         }
+        if sample.input == Input::ChipMag && self.is_turned_by_hand() {
+            self.record.event(Event::Field(sample.axes.to_array()));
+        }
         if self.chips.delivering().contains(sample.input) {
             let tell = &mut |fault| self.record.fault(fault);
             match sample.input {
@@ -415,13 +428,20 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
                 }
                 // What passed a threshold is no sample of the mean.
                 Input::ChipAccel if sample.cause != Cause::Threshold => {
-                    self.sensing.take_other_force(at, sample.axes, tell);
+                    let armed = self.safety.is_armed();
+                    self.sensing.take_other_force(at, sample.axes, armed, tell);
                 }
                 _ => {}
             }
         }
         let (command, tell) = (self.safety.applied(), self.record.labels());
         self.reactive.take_sample(at, sample, command, tell)
+    }
+
+    /// True where the field may show the board's iron: motors stand, and somebody turns the drone.
+    fn is_turned_by_hand(&self) -> bool {
+        let turning = self.sensing.motion().rotation.rates.0.max_norm() > TURNED_BY_HAND;
+        turning && self.safety.state() == FlightState::Disarmed
     }
 
     /// True where a chip is to be asked though nothing else raises its owner.
@@ -483,6 +503,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             Message::Setpoint(setpoint) => self.on_setpoint(at, setpoint),
             Message::Arm(arm) => return self.on_arm(at, arm),
             Message::TestMotor(test) => return self.on_motor_test(at, test),
+            Message::Calibrate(what) => return (Next::Wait, Some(self.on_calibrate(at, *what))),
+            Message::Store(what) => return (Next::Wait, Some(self.on_store_command(*what))),
             Message::Pose(pose) => self.on_pose(at, pose),
             Message::Goal(destination) => self.on_goal(at, destination),
         }
@@ -682,6 +704,27 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     #[must_use]
     pub fn reset(&self) -> Option<&Reset> {
         self.reset.as_ref()
+    }
+
+    /// The store was read, is written, or is to be: the pilot is told.
+    pub fn on_store(&mut self, at: Instant, event: StoreEvent) {
+        self.record.call(at, Call::Store(event));
+        if let Some(notice) = self.storage.take(event) {
+            self.record.event(Event::Store(event));
+            self.record.notice(notice);
+        }
+    }
+
+    /// What is to be stored now, where something is and motors stand.
+    #[must_use]
+    pub fn to_store(&self) -> Option<Wish> {
+        self.storage.due().filter(|_| !self.stands_no_longer())
+    }
+
+    /// The accelerometer's trim in force, in m/s2.
+    #[must_use]
+    pub fn accel_trim(&self) -> [f32; 3] {
+        self.sensing.trim().to_array()
     }
 
     /// The battery was measured; its state, where that is new.

@@ -12,6 +12,7 @@
 //! | `guarded` | RTIC's resources as the tasks' |
 //! | `calls`, `settings_block` | symbols that a host reads and writes |
 //! | `watchdog`, `fault` | the last resort |
+//! | `keeper` | the store |
 //! | `last_words`, `reset` | what a start finds of the one before |
 
 pub mod calls;
@@ -19,6 +20,7 @@ mod clock;
 mod fault;
 pub mod guarded;
 pub mod idle;
+mod keeper;
 mod last_words;
 mod lines;
 mod reset;
@@ -33,7 +35,7 @@ mod reflex_f427;
 use reflex_f427::motors;
 #[cfg(board = "reflex_f427")]
 pub use reflex_f427::{
-    Board as Started, ChipLine, Chips, Engine, Gauge, ImuLine, Link, Motors, imu, start,
+    Board as Started, ChipLine, Chips, Engine, Gauge, ImuLine, Keeper, Link, Motors, imu, start,
 };
 
 pub use clock::{now, sleep, sleep_until};

@@ -5,7 +5,7 @@
 
 use crate::sensors::{Input, Inputs};
 use crate::settings::{
-    Feedback, Limits, MotorProtocol, Pairs, Policy, Reference, Settings, WarmUp,
+    Feedback, Limits, MotorProtocol, Mounting, Pairs, Policy, Reference, Settings, WarmUp,
 };
 use crate::time::{Duration, micros};
 use reflex_settings::{Airframe, Motor};

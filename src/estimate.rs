@@ -8,6 +8,7 @@ mod iron;
 mod mahony;
 mod openpilot;
 mod place;
+mod response;
 mod track;
 mod vertical;
 
@@ -18,5 +19,6 @@ pub use iron::Iron;
 pub use mahony::{Evidence, MahonyFilter};
 pub use openpilot::{OpenPilotFilter, Turned};
 pub use place::Place;
+pub use response::{Response, Unanswered};
 pub use track::{Followed, Track};
 pub use vertical::Vertical;

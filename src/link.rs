@@ -40,7 +40,9 @@ mod tests;
 pub use admission::Incoming;
 pub use counters::LinkCounters;
 pub use encode::{Frame, LONGEST_FRAME_OUT, Sender, Status};
-pub use message::{Answer, ArmCommand, Destination, ExternalPose, Message};
+pub use message::{
+    Answer, ArmCommand, Calibrate, Destination, ExternalPose, Message, StoreCommand,
+};
 pub use notice::{Notice, Severity};
 pub use parser::{Feed, Parser};
 pub use peers::Peer;
@@ -60,6 +62,12 @@ pub const ARM_DISARM: u16 = MavCmd::MAV_CMD_COMPONENT_ARM_DISARM as u16;
 
 /// Number of the command that turns one motor (MAV_CMD_DO_MOTOR_TEST).
 pub const MOTOR_TEST: u16 = MavCmd::MAV_CMD_DO_MOTOR_TEST as u16;
+
+/// Number of the command that calibrates (MAV_CMD_PREFLIGHT_CALIBRATION).
+pub const CALIBRATE: u16 = MavCmd::MAV_CMD_PREFLIGHT_CALIBRATION as u16;
+
+/// Number of the command that stores settings (MAV_CMD_PREFLIGHT_STORAGE).
+pub const STORE: u16 = MavCmd::MAV_CMD_PREFLIGHT_STORAGE as u16;
 
 /// How long a frame may take to arrive.
 ///

@@ -18,7 +18,7 @@
 //! | `link_sent` | DMA1_STREAM6 | 2 | 2 us | `link` | answers wait |
 //! | `heartbeat` | CAN1_RX0, timer | 2 | 20 us a second | `link`, `autopilot` | the peer sees it late |
 //! | `repair_imu` | CAN1_TX, spawned | 1 | 5 ms | `imu_bus` | the chip stays silent, the drone disarmed or on failsafe |
-//! | `idle` | - | 0 | - | `autopilot` | models are refitted and events logged later |
+//! | `idle` | - | 0 | - | `autopilot`, `link` | models are refitted, events logged, settings stored later |
 //!
 //! Spare vectors raise tasks by software; a pend, unlike a spawn, is not lost while the task runs.
 //! `autopilot` is locked at priority 4 at most: control holds up neither stamps nor bursts. The log
@@ -41,14 +41,14 @@ fn main() {
 mod app {
     use crate::board::guarded::{Guarded, Piloted};
     use crate::board::{
-        self, ChipLine, Chips, Engine, Gauge, ImuLine, Link, Motors, SIGNS, Sign, Started,
+        self, ChipLine, Chips, Engine, Gauge, ImuLine, Keeper, Link, Motors, SIGNS, Sign, Started,
         Watchdog, calls, now, sleep, sleep_until,
     };
     use cortex_m::singleton;
     use defmt_rtt as _;
     use reflex::app::Autopilot;
     use reflex::tasks::chips::{self as owner, Fetches};
-    use reflex::tasks::{Board, Task, control, imu, link};
+    use reflex::tasks::{Board, Lock, Task, control, imu, link};
     use reflex::time::Instant;
     use rtic::Mutex;
     use stm32f4xx_hal::pac::Interrupt;
@@ -98,6 +98,7 @@ mod app {
         mag_line: ChipLine,
         chips: Chips,
         gauge: Gauge,
+        keeper: Keeper,
         watchdog: Watchdog,
     }
 
@@ -121,6 +122,7 @@ mod app {
             mag_line,
             chips: board.chips,
             gauge: board.gauge,
+            keeper: board.keeper,
             watchdog: board.watchdog,
         };
         (shared, local)
@@ -132,6 +134,7 @@ mod app {
         let pilot = singleton!(: Pilot = Autopilot::new(&board.start, &board.mixer, calls));
         let pilot = pilot.expect("made once");
         pilot.on_reset(now(), &board.reset);
+        pilot.on_store(now(), board.keeper.found());
         pilot
     }
 
@@ -269,10 +272,10 @@ mod app {
         }
     }
 
-    /// Behind a run and the failsafe, ten times a second at least: refits models and logs events.
-    #[idle(shared = [autopilot])]
+    /// Behind a run and the failsafe, ten times a second at least: refits models, stores, logs.
+    #[idle(local = [keeper], shared = [autopilot, link])]
     fn idle(cx: idle::Context) -> ! {
-        let mut autopilot = cx.shared.autopilot;
+        let (mut autopilot, mut link) = (Piloted(cx.shared.autopilot), Guarded(cx.shared.link));
         loop {
             board::idle::wait();
             SIGNS.give(Sign::Idle);
@@ -287,6 +290,7 @@ mod app {
                 }
                 autopilot.lock(|pilot| pilot.on_sounded(now()));
             }
+            (cx.local.keeper).keep(&mut Vectors, &mut autopilot, &mut link);
             board::log(|| autopilot.lock(|pilot| pilot.next_event()));
         }
     }

@@ -2,13 +2,16 @@
 
 mod checks;
 mod flight_state;
+mod ground;
+mod hold;
 mod motor_gate;
+mod seen;
 mod watch;
 
 pub use checks::{Check, Checks};
 pub use flight_state::{FlightEvent, FlightState, InTheAir};
 pub use motor_gate::{MotorGate, MotorOutput};
-pub use watch::Seen;
+pub use seen::Seen;
 
 use crate::airframe::MotorShares;
 use crate::config::MOTOR_TEST_TIME;
@@ -24,6 +27,8 @@ pub struct Safety {
     gate: MotorGate,
     watch: Watch,
     test: Option<MotorTest>,
+    /// Motors that were lost since the start, a bit for each.
+    lost: u8,
 }
 
 /// What the gate made of a command.
@@ -46,6 +51,7 @@ impl Safety {
             gate: MotorGate::new(motors),
             watch: Watch::default(),
             test: None,
+            lost: 0,
         }
     }
 
@@ -96,6 +102,18 @@ impl Safety {
         self.watch.take(self.state, seen)
     }
 
+    /// A motor was lost, from 0; how many are left.
+    pub fn lose(&mut self, motor: u8) -> u32 {
+        self.lost |= 1u8.checked_shl(u32::from(motor)).unwrap_or(0);
+        (self.applied().len() as u32).saturating_sub(self.lost.count_ones())
+    }
+
+    /// True once a motor was lost.
+    #[must_use]
+    pub fn has_lost_motors(&self) -> bool {
+        self.lost != 0
+    }
+
     /// Lets a command pass, as the state allows.
     pub fn pass(&mut self, command: &MotorShares) -> Passed {
         let before = *self.gate.applied();
@@ -110,15 +128,15 @@ impl Safety {
         }
     }
 
-    /// The mean thrust that was flown: about that of hovering.
+    /// True where the drone has left the ground for certain.
     #[must_use]
-    pub fn mean_thrust(&self) -> Thrust {
-        self.watch.mean_thrust()
+    pub fn flies(&self) -> bool {
+        self.watch.flies()
     }
 
-    /// The thrust of a descent that sees no place.
-    #[must_use]
-    pub fn descent_thrust(&self) -> Thrust {
-        self.watch.descent_thrust()
+    /// The thrust of a drone without pilot and place, which sinks so fast (m/s), if that is known:
+    /// in [`FlightState::Waiting`] it stays, in [`FlightState::Descending`] it comes down.
+    pub fn thrust_alone(&mut self, now: Instant, sinking: Option<f32>) -> Thrust {
+        self.watch.thrust_alone(self.state, now, sinking)
     }
 }

@@ -6,6 +6,7 @@
 
 pub use reflex_settings::gains;
 pub use reflex_settings::{
-    Airframe, AirframeError, BlockError, Declared, FEWEST_MOTORS, Feedback, Limits, MOST_MOTORS,
-    Motor, MotorProtocol, OutOfRange, Pairs, Parameter, Policy, Reference, Settings, Start, WarmUp,
+    Airframe, AirframeError, BlockError, Declared, FEWEST_MOTORS, Feedback, LARGEST_TRIM, Limits,
+    MOST_MOTORS, Motor, MotorProtocol, Mounting, OutOfRange, Pairs, Parameter, Policy, Reference,
+    Settings, Start, WarmUp,
 };

@@ -19,7 +19,7 @@
 
 mod image;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;

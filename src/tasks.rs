@@ -10,6 +10,7 @@
 //! | [`chips`] | the owner of the chips that interrupt by themselves |
 //! | [`drivers`] | which of their drivers delivers which input |
 //! | [`link`] | bytes in, frames out |
+//! | [`store`] | what a restart must not forget |
 //! | [`vitals`] | whether the watchdog is fed |
 //!
 //! A module named by a part number gives `imu` what it needs of that chip. Nothing here reads a
@@ -22,6 +23,7 @@ pub mod drivers;
 pub mod imu;
 pub mod link;
 pub mod mpu6050;
+pub mod store;
 pub mod vitals;
 
 use crate::reactive::Next;
@@ -36,7 +38,7 @@ pub enum Task {
     Chips,
     /// Has the inertial sensor configured anew: [`imu::Configure`].
     RepairImu,
-    /// What waits for the processor to be idle: refits and the log.
+    /// What waits for the processor to be idle: refits, the log and the store.
     Idle,
 }
 

@@ -39,6 +39,7 @@ boards/reflex_f427.toml | imu_rate_hz = 1000 | imu_rate_hz = 8000 | sensors.imu_
 boards/reflex_f427.toml | chip_accel_rate_hz = 100 | chip_accel_rate_hz = 1344 | sensors.chip_accel_rate_hz | one of 400 200
 boards/reflex_f427.toml | gyro_cutoff_hz = 80 | gyro_cutoff_hz = 2 | filters.gyro_cutoff_hz | 5 to 450 Hz
 boards/reflex_f427.toml | length_s = 0.5 | length_s = 11 | calibration.length_s | 0.1 to 10 s
+boards/reflex_f427.toml | accel_trim_m_s2 = [0.0, | accel_trim_m_s2 = [1.5, | calibration.accel_trim_m_s2 | -1 to 1 m/s2
 boards/reflex_f427.toml | baud = 460800 | baud = 9600 | link.baud | 460800
 airframes/quad_x.toml | angle_deg = 315 | angle_deg = 360 | motors.2.angle_deg | 360 excluded
 airframes/quad_x.toml | armed_minimum = 0.05 | armed_minimum = 0.5 | armed_minimum | 0 to 0.3
@@ -54,6 +55,7 @@ logics/cleanflight.toml | velocity_p = 0.375 | velocity_p = 375 | altitude.veloc
 const UNREADABLE: &str = r#"
 reactive.toml | p_run = 0.8 | p_rum = 0.8 | unknown field `p_rum`, expected
 reactive.toml | p_run = 0.8 | p_run = "often" | runs.p_run: invalid type
+boards/reflex_f427.toml | imu = "none" | imu = "yaw45" | mounting.imu: unknown variant `yaw45`
 reactive.toml | policy = "reactive" | policy = "lazy" | runs.policy: unknown variant `lazy`
 reactive.toml | p_run = 0.8 |  | missing field `p_run`
 reactive.toml | gates = true | gates = 1 | inputs.gyro.gates: invalid type

@@ -32,7 +32,7 @@ mod sensed_motion;
 mod simulated_flight;
 mod station;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 pub mod track;
 mod tracker;
 mod world;
@@ -140,7 +140,7 @@ pub fn limits_of(scene: &Scene, duration_s: f64, is_native: bool) -> Limits {
     Limits {
         take_off_ns: station::TAKE_OFF_NS,
         duration_s,
-        motors: scene.airframe.motors.len(),
+        motors: Some(scene.airframe.motors.len()),
         is_native,
     }
 }

@@ -4,12 +4,16 @@
 
 mod distortion;
 mod kinds;
+mod link;
 mod random;
 mod script;
 mod signal;
+mod strikes;
 
 pub use distortion::{Distortion, Elements};
 pub use kinds::{Chip, Effect, KINDS, Kind, Said, Size, list};
+pub use link::BrokenLink;
 pub use random::any_script;
 pub use script::{Entry, Fault, Limits, Script};
-pub use signal::BrokenSensors;
+pub use signal::broken;
+pub use strikes::{Strike, Strikes, Struck};

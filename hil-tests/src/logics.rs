@@ -244,4 +244,8 @@ impl ControlLogic for AnyLogic {
     fn mixer(&self) -> &Mixer {
         whichever!(self, logic => logic.mixer())
     }
+
+    fn lose_motor(&mut self, motor: u8) {
+        whichever!(self, logic => logic.lose_motor(motor));
+    }
 }

@@ -33,6 +33,23 @@ pub struct FoundIron {
     pub samples: usize,
 }
 
+/// The fields in the firmware's log: a line with `Field([X, Y, Z])` each; lines that are cut off do not
+/// count.
+#[must_use]
+pub fn logged(log: &[u8]) -> Vec<[f64; 3]> {
+    let text = String::from_utf8_lossy(log);
+    let lines = text.lines().filter_map(|line| {
+        let (_, field) = line.split_once("Field([")?;
+        let (numbers, _) = field.split_once("])")?;
+        let mut axes = numbers
+            .split(',')
+            .map(|number| number.trim().parse::<f64>());
+        let field = [axes.next()?.ok()?, axes.next()?.ok()?, axes.next()?.ok()?];
+        (axes.next().is_none() && field.iter().all(|axis| axis.is_finite())).then_some(field)
+    });
+    lines.collect()
+}
+
 /// Finds the iron in fields (gauss, body axes).
 ///
 /// # Errors
@@ -246,6 +263,14 @@ mod tests {
             (numbers("soft_iron_diagonal")[2] - 1.0).abs() < 5e-3,
             "{text}"
         );
+    }
+
+    #[test]
+    fn the_firmwares_log_shows_fields() {
+        let log = b"0.5 INFO Field([0.21, -0.1, 0.4015])\n0.6 INFO Runs\n\xFF 0.7 INFO Field([1e-3, 0, 2])\n\
+                    0.8 INFO Field([0.1, 0.2\n0.9 INFO Field([NaN, 0.1, 0.1])\n1 INFO Field([1, 2, 3, 4])";
+        assert_eq!(logged(log), [[0.21, -0.1, 0.4015], [1e-3, 0.0, 2.0]]);
+        assert!(logged(b"t,mx,my,mz\n0,1,2,3\n").is_empty());
     }
 
     fn refusal(fields: &[[f64; 3]]) -> String {

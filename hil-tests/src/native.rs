@@ -23,7 +23,7 @@ mod timing;
 mod vectors;
 mod wires;
 
-pub(crate) use board::{NativeBoard, flip_bit};
+pub(crate) use board::NativeBoard;
 pub(crate) use timing::{RUN_NS, clock, nanos};
 #[cfg(test)]
 pub(crate) use wires::DieWire;

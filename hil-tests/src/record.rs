@@ -13,6 +13,7 @@ mod looks;
 mod mirror;
 pub(crate) mod motor_timers;
 mod observation;
+mod struck;
 
 pub(crate) use alignment::{AlignedRun, Alignment};
 pub use counted::Counted;
@@ -21,3 +22,4 @@ pub(crate) use handlers::HANDLERS;
 pub(crate) use looks::{ChipState, Look, OfChips, samples_since};
 pub(crate) use mirror::Mirror;
 pub(crate) use observation::{DecodedLog, Observation, WAY};
+pub(crate) use struck::run_struck;

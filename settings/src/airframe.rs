@@ -149,7 +149,7 @@ impl Airframe {
 
     /// Hands its numbers' bytes on: least command, motors, then direction and turn of each place
     /// for a motor.
-    pub(crate) fn write(&self, put: &mut impl FnMut([u8; 4])) {
+    pub(crate) fn write(&self, put: &mut dyn FnMut([u8; 4])) {
         put(self.armed_minimum.to_le_bytes());
         put(f32::from(self.count).to_le_bytes());
         for motor in &self.motors {

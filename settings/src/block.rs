@@ -15,7 +15,7 @@ const MAGIC: [u8; 4] = *b"RFLX";
 const HEAD_LENGTH: usize = 8;
 const CHECKSUM_LENGTH: usize = 4;
 /// No control logic has gains for a longer block.
-const LONGEST: usize = 1024;
+pub(crate) const LONGEST: usize = 1024;
 
 /// What a start of the firmware is given: nothing of it takes a build.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,7 +81,6 @@ impl<G: Gains> Start<G> {
     ///
     /// # Errors
     /// Why the block is refused; nothing of a refused block is used.
-    #[inline(never)]
     pub fn from_bytes(bytes: &[u8], limits: &Limits) -> Result<Self, BlockError> {
         let (mut content, checksum) = bytes
             .split_at_checked(Self::LENGTH - CHECKSUM_LENGTH)
@@ -97,21 +96,20 @@ impl<G: Gains> Start<G> {
         if expected.to_le_bytes() != checksum {
             return Err(BlockError::Checksum);
         }
-        Self::read(&mut || take(&mut content), limits)
+        Self::read(content, limits)
     }
 
     /// Hands every word on, in the order of the declarations.
-    pub(crate) fn write(&self, put: &mut impl FnMut([u8; 4])) {
+    pub(crate) fn write(&self, put: &mut dyn FnMut([u8; 4])) {
         self.settings.write(put);
         self.airframe.write(put);
         self.gains.write(put);
     }
 
     /// Reads what [`Self::write`] wrote, and checks it.
-    pub(crate) fn read(
-        word: &mut impl FnMut() -> Option<[u8; 4]>,
-        limits: &Limits,
-    ) -> Result<Self, BlockError> {
+    #[inline(never)]
+    pub(crate) fn read(mut words: &[u8], limits: &Limits) -> Result<Self, BlockError> {
+        let word = &mut || take(&mut words);
         let settings = Settings::read(word).ok_or(BlockError::Choice)?;
         let airframe = Airframe::read(word).ok_or(BlockError::Choice)?;
         let gains = G::read(word).ok_or(BlockError::Choice)?;

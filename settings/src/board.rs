@@ -1,5 +1,6 @@
 //! The constants of `config/boards/NAME.toml`: what may vary on one wiring.
 
+use crate::choices::Mounting;
 use crate::inputs::{Input, Rate};
 use crate::range::{above, one_of, within};
 use crate::setting::{Kind, Limit, Setting};
@@ -40,6 +41,10 @@ const fn cutoff(key: &'static str) -> Setting {
         .limited(Limit::BelowHalfTheImuRate)
 }
 
+const fn mounting(key: &'static str) -> Setting {
+    Setting::of(["mounting", key], Kind::word::<Mounting>(), "").default("none")
+}
+
 const fn battery(key: &'static str, kind: Kind, unit: &'static str) -> Setting {
     Setting::of(["battery", key], kind, unit)
 }
@@ -70,6 +75,12 @@ pub const BOARD: &[Setting] = &[
     .default("0.05")
     .named("STILL_GYRO")
     .meaning("Largest deviation from the mean at rest."),
+    mounting("imu")
+        .named("IMU_MOUNTING")
+        .meaning("How the inertial sensor lies in the drone."),
+    mounting("chip")
+        .named("CHIP_MOUNTING")
+        .meaning("How the chip with accelerometer and magnetometer lies in the drone."),
     Setting::of(
         ["link", "baud"],
         Kind::Count(one_of(&[

@@ -27,7 +27,7 @@ pub trait Declared: Copy + PartialEq + 'static {
     fn collect(value: &mut impl FnMut(&'static Setting) -> Option<Value>) -> Option<Self>;
 
     /// Hands every field's bytes on, in the order of the fields.
-    fn write(&self, put: &mut impl FnMut([u8; 4]));
+    fn write(&self, put: &mut dyn FnMut([u8; 4]));
 
     /// Reads what [`Self::write`] wrote; `None` where a number means nothing.
     fn read(take: &mut impl FnMut() -> Option<[u8; 4]>) -> Option<Self>;
@@ -99,7 +99,7 @@ macro_rules! declare {
                 })
             }
 
-            fn write(&self, put: &mut impl FnMut([u8; 4])) {
+            fn write(&self, put: &mut dyn FnMut([u8; 4])) {
                 $($crate::Field::write(self.$field, put);)*
             }
 
@@ -122,7 +122,7 @@ pub trait Field: Copy {
     fn from_value(value: Value, kind: Kind) -> Option<Self>;
 
     /// Hands its bytes on.
-    fn write(self, put: &mut impl FnMut([u8; 4]));
+    fn write(self, put: &mut dyn FnMut([u8; 4]));
 
     /// Reads them, `None` where there are none or they mean nothing.
     fn read(take: &mut impl FnMut() -> Option<[u8; 4]>) -> Option<Self>;
@@ -140,7 +140,7 @@ impl Field for f32 {
         }
     }
 
-    fn write(self, put: &mut impl FnMut([u8; 4])) {
+    fn write(self, put: &mut dyn FnMut([u8; 4])) {
         put(self.to_le_bytes());
     }
 
@@ -163,7 +163,7 @@ impl Field for [f32; 3] {
         }
     }
 
-    fn write(self, put: &mut impl FnMut([u8; 4])) {
+    fn write(self, put: &mut dyn FnMut([u8; 4])) {
         for number in self {
             number.write(put);
         }
@@ -186,7 +186,7 @@ impl Field for u32 {
         }
     }
 
-    fn write(self, put: &mut impl FnMut([u8; 4])) {
+    fn write(self, put: &mut dyn FnMut([u8; 4])) {
         put(self.to_le_bytes());
     }
 
@@ -211,7 +211,7 @@ impl Field for Duration {
         }
     }
 
-    fn write(self, put: &mut impl FnMut([u8; 4])) {
+    fn write(self, put: &mut dyn FnMut([u8; 4])) {
         (self.ticks() as u32).write(put);
     }
 
@@ -232,7 +232,7 @@ impl Field for Inputs {
         }
     }
 
-    fn write(self, put: &mut impl FnMut([u8; 4])) {
+    fn write(self, put: &mut dyn FnMut([u8; 4])) {
         u32::from(self.bits()).write(put);
     }
 
@@ -255,7 +255,7 @@ impl<T: Choice> Field for T {
         }
     }
 
-    fn write(self, put: &mut impl FnMut([u8; 4])) {
+    fn write(self, put: &mut dyn FnMut([u8; 4])) {
         self.number().write(put);
     }
 

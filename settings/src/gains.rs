@@ -20,7 +20,7 @@ pub trait Gains: Copy + PartialEq + 'static {
     const DECLARED: LogicGains;
 
     /// Hands every number's bytes on, in the order of the file.
-    fn write(&self, put: &mut impl FnMut([u8; 4]));
+    fn write(&self, put: &mut dyn FnMut([u8; 4]));
 
     /// Reads what [`Self::write`] wrote; `None` where numbers are missing.
     fn read(take: &mut impl FnMut() -> Option<[u8; 4]>) -> Option<Self>;
@@ -178,7 +178,7 @@ macro_rules! gains {
         impl $crate::gains::Gains for Gains {
             const DECLARED: LogicGains = DECLARED;
 
-            fn write(&self, put: &mut impl FnMut([u8; 4])) {
+            fn write(&self, put: &mut dyn FnMut([u8; 4])) {
                 $($($crate::Field::write(self.$section.$key, put);)*)*
             }
 

@@ -31,7 +31,7 @@ pub use airframe::{
 };
 pub use block::{BlockError, Start};
 pub use board::{BOARD, rates};
-pub use choices::{Choice, Choices, Feedback, MotorProtocol, Pairs, Policy, Reference};
+pub use choices::{Choice, Choices, Feedback, MotorProtocol, Mounting, Pairs, Policy, Reference};
 pub use declare::{Declared, Field};
 pub use inputs::{Declaration, Input, Inputs, Rate, Source, Unit};
 pub use parameter::Parameter;
@@ -39,6 +39,6 @@ pub use range::{Range, above, between, from_below, one_of, within};
 pub use reactive::{INPUT, REACTIVE, of_input};
 pub use safety::SAFETY;
 pub use setting::{Kind, Limit, Limits, OutOfRange, Path, Setting, Value, Written};
-pub use settings::{Settings, WarmUp};
+pub use settings::{LARGEST_TRIM, Settings, WarmUp};
 pub use text::Unreadable;
 pub use time::{Duration, micros};

@@ -4,15 +4,12 @@
 //! a value that means something else has another one.
 
 use crate::airframe::Airframe;
-use crate::block::{BlockError, Start};
-use crate::bytes::{CHECKSUM, Vec};
+use crate::block::{BlockError, LONGEST, Start};
+use crate::bytes::{CHECKSUM, Vec, put};
 use crate::declare::Declared;
-use crate::gains::Gains;
+use crate::gains::{Gains, LogicGains};
 use crate::setting::{Limits, Setting};
 use crate::settings::Settings;
-
-/// No control logic has more words.
-const MOST_WORDS: usize = 256;
 
 /// A word of a start, and what it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,17 +20,10 @@ pub struct Parameter {
     pub word: [u8; 4],
 }
 
-impl<G: Gains> Start<G> {
-    /// Hands every word on, as a parameter.
-    pub fn parameters(&self, take: &mut impl FnMut(Parameter)) {
-        let mut numbers = Self::numbers();
-        self.write(&mut |word| {
-            if let Some(number) = numbers.next() {
-                take(Parameter { number, word });
-            }
-        });
-    }
+/// Every word of a start, in the order of the declarations.
+type Words = Vec<u8, LONGEST>;
 
+impl<G: Gains> Start<G> {
     /// With parameters in place of its own values; and how many of them this build does not know.
     ///
     /// # Errors
@@ -44,50 +34,73 @@ impl<G: Gains> Start<G> {
         parameters: &[Parameter],
         limits: &Limits,
     ) -> Result<(Self, usize), BlockError> {
-        const { assert!(Self::LENGTH <= 4 * MOST_WORDS) }
-        let mut unknown = parameters.len();
-        let mut words = Vec::<[u8; 4], MOST_WORDS>::new();
-        self.parameters(&mut |own| {
-            let given = parameters.iter().find(|given| given.number == own.number);
-            unknown = unknown.saturating_sub(usize::from(given.is_some()));
-            // There is room, see above.
-            let _ = words.push(given.unwrap_or(&own).word);
-        });
-        let mut words = words.into_iter();
-        Ok((Self::read(&mut || words.next(), limits)?, unknown))
+        let mut words = self.words();
+        let unknown = replace(&mut words, &G::DECLARED, parameters);
+        Ok((Self::read(&words, limits)?, unknown))
     }
 
     /// Hands on, as parameters, what differs from another start.
     #[inline(never)]
-    pub fn beyond(&self, base: &Self, take: &mut impl FnMut(Parameter)) {
-        let mut words = Vec::<[u8; 4], MOST_WORDS>::new();
-        base.write(&mut |word| drop(words.push(word)));
-        let mut words = words.into_iter();
-        self.parameters(&mut |own| {
-            if words.next() != Some(own.word) {
-                take(own);
-            }
-        });
+    pub fn beyond(&self, base: &Self, take: &mut dyn FnMut(Parameter)) {
+        differences(&self.words(), &base.words(), &G::DECLARED, take);
     }
 
-    fn numbers() -> impl Iterator<Item = u32> {
-        let settings = Settings::SETTINGS.iter();
-        let gains = G::DECLARED.gains.iter();
-        settings
-            .flat_map(|setting| of_setting("", setting))
-            .chain(
-                (0..Airframe::WORDS as u8).map(|word| number(["airframe", "", "", ""], [0, word])),
-            )
-            .chain(gains.flat_map(|gain| of_setting(G::DECLARED.logic, gain)))
+    #[inline(never)]
+    fn words(&self) -> Words {
+        let mut words = Words::new();
+        self.write(&mut |word| put(&mut words, &word));
+        words
     }
 }
 
-fn of_setting(logic: &'static str, setting: &'static Setting) -> impl Iterator<Item = u32> {
-    let names = [logic, setting.section, setting.key, setting.unit];
-    let axes = 0..setting.kind.numbers() as u8;
-    axes.map(move |axis| number(names, [setting.kind.number(), axis]))
+/// Puts parameters in the place of words; how many of them there is no place for.
+#[inline(never)]
+fn replace(words: &mut Words, gains: &LogicGains, parameters: &[Parameter]) -> usize {
+    let mut unknown = parameters.len();
+    let (words, _) = words.as_chunks_mut();
+    let mut words = words.iter_mut();
+    each_number(gains, &mut |number| {
+        let word = words.next();
+        let given = parameters.iter().find(|given| given.number == number);
+        if let (Some(word), Some(given)) = (word, given) {
+            *word = given.word;
+            unknown = unknown.saturating_sub(1);
+        }
+    });
+    unknown
 }
 
+#[inline(never)]
+fn differences(words: &[u8], base: &[u8], gains: &LogicGains, take: &mut dyn FnMut(Parameter)) {
+    let (words, base) = (words.as_chunks().0, base.as_chunks().0);
+    let mut pairs = words.iter().zip(base);
+    each_number(gains, &mut |number| match pairs.next() {
+        Some((word, base)) if word != base => take(Parameter {
+            number,
+            word: *word,
+        }),
+        _ => {}
+    });
+}
+
+/// Hands on the number of every word of a start, in order.
+#[inline(never)]
+fn each_number(gains: &LogicGains, take: &mut dyn FnMut(u32)) {
+    each_of("", Settings::SETTINGS, take);
+    (0..Airframe::WORDS as u8).for_each(|word| take(number(["airframe", "", "", ""], [0, word])));
+    each_of(gains.logic, gains.gains, take);
+}
+
+fn each_of(logic: &str, settings: &[Setting], take: &mut dyn FnMut(u32)) {
+    for setting in settings {
+        let names = [logic, setting.section, setting.key, setting.unit];
+        for axis in 0..setting.kind.numbers() as u8 {
+            take(number(names, [setting.kind.number(), axis]));
+        }
+    }
+}
+
+#[inline(never)]
 fn number(names: [&str; 4], [kind, axis]: [u8; 2]) -> u32 {
     let mut digest = CHECKSUM.digest();
     for name in names {
@@ -148,7 +161,8 @@ mod tests {
     #[test]
     fn no_two_values_of_any_logic_share_a_number() {
         fn of<G: Gains>() -> usize {
-            let numbers: std::vec::Vec<u32> = Start::<G>::numbers().collect();
+            let mut numbers = vec![];
+            each_number(&G::DECLARED, &mut |number| numbers.push(number));
             assert_eq!(4 * numbers.len() + 12, Start::<G>::LENGTH);
             let mut sorted = numbers.clone();
             sorted.sort_unstable();

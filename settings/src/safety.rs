@@ -52,6 +52,26 @@ pub const SAFETY: &[Setting] = &[
         .default("10")
         .named("LONGEST_ON_GROUND")
         .meaning("Time armed on the ground after which motors are disarmed."),
+    number("ground", "lifting_thrust", [0.0, 1.0], "")
+        .default("0.25")
+        .named("LIFTING_THRUST")
+        .meaning("Collective thrust with which most drones begin to climb."),
+    span("ground", "lifting_s", 0.0, 10.0)
+        .default("0.5")
+        .named("LIFTING_TIME")
+        .meaning("Time of that thrust after which the drone flies."),
+    number("ground", "lifted_m_s", [0.0, 10.0], "m/s")
+        .default("0.5")
+        .named("LIFTED_SPEED")
+        .meaning("Upward speed, by the push that is felt, that shows a take-off."),
+    number("ground", "rest_rate_rad_s", [0.0, 5.0], "rad/s")
+        .default("0.3")
+        .named("REST_RATE")
+        .meaning("Fastest turn of a drone at rest."),
+    number("ground", "rest_force_m_s2", [0.0, 5.0], "m/s2")
+        .default("2")
+        .named("REST_FORCE")
+        .meaning("Most by which the specific force differs from gravity at rest."),
     span("ground", "landed_s", 0.2, 10.0)
         .default("1")
         .named("LANDED_TIME")
@@ -63,19 +83,23 @@ pub const SAFETY: &[Setting] = &[
     number("pilot_silent", "descent_thrust", [0.0, 1.0], "")
         .default("0.9")
         .named("DESCENT_THRUST")
-        .meaning("Thrust of a descent without a place, as a share of the mean that was flown."),
+        .meaning("Thrust of a descent by neither place nor accelerometer, as a share of the mean."),
     number("pilot_silent", "descent_m_s", [0.0, 5.0], "m/s")
         .default("1")
         .named("DESCENT_SPEED")
-        .meaning("Speed of a descent that sees places."),
+        .meaning("Speed of a descent."),
     span("pilot_silent", "descent_s", 0.0, 120.0)
-        .default("20")
+        .default("60")
         .named("DESCENT_TIME")
         .meaning("Time of a descent without a place, after which motors are cut."),
     span("blind", "cut_s", 0.0, 5.0)
         .default("0.5")
         .named("BLIND_TIME")
         .meaning("Time without the gyroscope in the air after which motors are cut."),
+    Setting::of(["motor_lost", "fewest"], Kind::Count(within(1.0, 8.0)), "")
+        .default("5")
+        .named("FEWEST_TO_FLY")
+        .meaning("Fewest motors that a drone is flown with once one is lost."),
     number("upset", "tilt_deg", [0.0, 180.0], "deg")
         .default("60")
         .named("UPSET_TILT")

@@ -8,6 +8,9 @@ use crate::range::{above, between, within};
 use crate::setting::{Kind, Limit, Limits, OutOfRange, Setting, Value};
 use crate::time::{Duration, micros};
 
+/// The largest trim of an accelerometer, in m/s2: 6 degrees, or twice an MPU6050's zero-g output.
+pub const LARGEST_TRIM: f32 = 1.0;
+
 /// How long control runs time-triggered to learn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
@@ -79,7 +82,7 @@ declare! {
             .default("1").option("seed", "NUMBER"),
         /// What the inertial sensor's accelerometer shows beyond gravity while the drone stands level.
         accel_trim: [f32; 3] = Setting::of(
-            ["calibration", "accel_trim_m_s2"], Kind::Axes(within(-1.0, 1.0)), "m/s2")
+            ["calibration", "accel_trim_m_s2"], Kind::Axes(within(-LARGEST_TRIM as f64, LARGEST_TRIM as f64)), "m/s2")
             .of_board()
             .default("[0, 0, 0]"),
         /// Field of the magnets that travel with the magnetometer, in body axes.
@@ -145,7 +148,7 @@ impl Field for WarmUp {
         }
     }
 
-    fn write(self, put: &mut impl FnMut([u8; 4])) {
+    fn write(self, put: &mut dyn FnMut([u8; 4])) {
         match self {
             Self::Automatic => AUTOMATIC.write(put),
             Self::Fixed(length) => length.write(put),

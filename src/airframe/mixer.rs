@@ -56,6 +56,35 @@ pub struct Mixed {
     pub slack: f32,
 }
 
+/// What a command asks of the body, whatever that weighs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Asked {
+    /// About roll and about pitch, as shares on a whole arm.
+    torque: [f32; 2],
+    /// Mean share.
+    pub lift: f32,
+}
+
+impl Asked {
+    /// Part of the way to another.
+    #[must_use]
+    pub fn towards(&self, other: &Self, share: f32) -> Self {
+        let ([x, y], [to_x, to_y]) = (self.torque, other.torque);
+        Self {
+            torque: [x + (to_x - x) * share, y + (to_y - y) * share],
+            lift: self.lift + (other.lift - self.lift) * share,
+        }
+    }
+
+    /// Torque about roll and about pitch in motors on a whole arm, which lift as all do in the
+    /// mean, but this share at least.
+    #[must_use]
+    pub fn motors(&self, least: f32) -> [f32; 2] {
+        let lift = 1.0 / max(self.lift, least);
+        self.torque.map(|torque| torque * lift)
+    }
+}
+
 /// The result of a [`Sharing`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shared<const N: usize> {
@@ -118,6 +147,34 @@ impl Mixer {
         }
     }
 
+    /// The mixer of the motors that are left where one, from 0, is lost; yaw is given up.
+    #[must_use]
+    #[cold]
+    pub fn without(&self, motor: u8) -> Self {
+        let motor = usize::from(motor);
+        Self(match &self.0 {
+            BySize::Four(motors) => BySize::Four(motors.without(motor)),
+            BySize::Six(motors) => BySize::Six(motors.without(motor)),
+            BySize::Eight(motors) => BySize::Eight(motors.without(motor)),
+        })
+    }
+
+    /// What a command asks for.
+    #[must_use]
+    pub fn asked(&self, shares: &MotorShares) -> Asked {
+        let [roll, pitch, _] = self.axes();
+        let (mut torque, mut lift) = ([0.0; 2], 0.0);
+        for ((share, x), y) in shares.iter().zip(roll).zip(pitch) {
+            torque = [torque[0] + share * x, torque[1] + share * y];
+            lift += share;
+        }
+        Asked {
+            // A unit is a torque on 1/sqrt(2) of an arm.
+            torque: torque.map(|torque| torque * core::f32::consts::FRAC_1_SQRT_2),
+            lift: lift / roll.len() as f32,
+        }
+    }
+
     /// The motor vector of a demand, by a rule where the motors cannot give it all.
     #[must_use]
     #[inline]
@@ -139,6 +196,27 @@ impl<const N: usize> Allocation<N> {
             pitch,
             yaw,
             least: airframe.armed_minimum(),
+        }
+    }
+
+    /// Roll and pitch by the motors that are left, without lift or each other.
+    fn without(&self, lost: usize) -> Self {
+        let mut left = [1.0; N];
+        if let Some(share) = left.get_mut(lost) {
+            *share = 0.0;
+        }
+        let kept = |axis: &[f32; N]| product(axis, &left);
+        let (roll, pitch) = (kept(&self.roll), kept(&self.pitch));
+        let alone = |axis: &[f32; N], other: &[f32; N], whole: &[f32; N]| {
+            let own = beside(&beside(axis, &left), &beside(other, &left));
+            let scale = dot(whole, whole) / max(dot(&own, axis), 1e-6);
+            own.map(|step| step * scale)
+        };
+        Self {
+            roll: alone(&roll, &pitch, &self.roll),
+            pitch: alone(&pitch, &roll, &self.pitch),
+            yaw: [0.0; N],
+            least: self.least,
         }
     }
 
@@ -203,6 +281,28 @@ struct Fitted<const N: usize> {
     cut: bool,
     /// The thrust is another than that asked for.
     shifted: bool,
+}
+
+fn product<const N: usize>(one: &[f32; N], other: &[f32; N]) -> [f32; N] {
+    let mut product = *one;
+    for (step, other) in product.iter_mut().zip(other) {
+        *step *= other;
+    }
+    product
+}
+
+fn dot<const N: usize>(one: &[f32; N], other: &[f32; N]) -> f32 {
+    product(one, other).iter().sum()
+}
+
+/// What of one pattern is not in another.
+fn beside<const N: usize>(one: &[f32; N], other: &[f32; N]) -> [f32; N] {
+    let share = dot(one, other) / max(dot(other, other), 1e-6);
+    let mut left = *one;
+    for (step, other) in left.iter_mut().zip(other) {
+        *step -= other * share;
+    }
+    left
 }
 
 /// The smallest and the largest share.

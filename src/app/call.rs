@@ -7,7 +7,7 @@
 //!
 //! A record is a kind, the stamp in microseconds (8 bytes) and the fields, little-endian.
 
-use super::{Autopilot, ChipOrder, ChipSetting, Fault, OrderError, Reason};
+use super::{Autopilot, ChipOrder, ChipSetting, Fault, OrderError, Reason, StoreEvent};
 use crate::airframe::MotorShares;
 use crate::battery::BatteryReading;
 use crate::graph::ControlLogic;
@@ -53,6 +53,8 @@ pub enum Call {
     Reset(Reset),
     /// `on_battery`
     Battery(BatteryReading),
+    /// `on_store`
+    Store(StoreEvent),
     /// Not a call: what a run came to.
     Ran(Ran),
     /// Not a call: whether the last run was changed.
@@ -151,6 +153,7 @@ impl Stamped {
             }
             Call::Reset(reset) => out.reset(reset),
             Call::Battery(reading) => out.floats([reading.volts, reading.amps]),
+            Call::Store(event) => out.store(event),
             Call::Judged(changed) => out.byte(u8::from(*changed)),
         }
         out.finish()
@@ -195,6 +198,7 @@ impl Stamped {
                 let [volts, amps] = from.floats()?;
                 Call::Battery(BatteryReading { volts, amps })
             }
+            15 => Call::Store(from.store()?),
             other => return Err(DecodeError::Unknown(other)),
         };
         Ok((Self { at, call }, bytes.len() - from.rest()))
@@ -221,6 +225,7 @@ impl Call {
             Self::Sounded => autopilot.on_sounded(at),
             Self::Reset(reset) => autopilot.on_reset(at, reset),
             Self::Battery(reading) => drop(autopilot.on_battery(at, reading)),
+            Self::Store(event) => autopilot.on_store(at, *event),
             Self::Ran(_) | Self::Judged(_) => {}
         }
     }
@@ -242,6 +247,7 @@ fn kind(call: &Call) -> u8 {
         Call::Sounded => 12,
         Call::Reset(_) => 13,
         Call::Battery(_) => 14,
+        Call::Store(_) => 15,
     }
 }
 

@@ -44,6 +44,11 @@ numbered! {
         FieldBent,
         /// What passed for the gyroscope's bias is turning: calibrated anew.
         Turning,
+        /// A motor gives no lift.
+        MotorLost,
+        /// The body turns against what motors are asked for: axes or signs of the gyroscope are
+        /// wrong, or the places of the motors.
+        Contrary,
         /// A run began a hyperperiod or more after it was due.
         LateRun,
         /// An order to a chip failed, on the bus or at the read-back.

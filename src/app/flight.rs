@@ -1,20 +1,22 @@
 //! From arming to the end of a flight: what is flown without a pilot.
 
 use super::demand::{Aim, Silence};
-use super::{Autopilot, Event, Next, Reason, Recorder, notice};
+use super::{Autopilot, Event, Fault, Next, Reason, Recorder, notice};
 use crate::battery::BatteryState;
 use crate::config::{
     ARMING_GRAVITY_ERROR, ARMING_RATE, ARMING_THRUST, ARMING_TILT, DESCEND_WHEN_EMPTY,
+    FEWEST_TO_FLY,
 };
-use crate::control::{Goal, MotorTest, Setpoint};
+use crate::control::{Goal, MotorTest, Setpoint, Yaw};
+use crate::estimate::{Response, Unanswered};
 use crate::graph::ControlLogic;
-use crate::link::{Answer, ArmCommand};
-use crate::math::sin_cos;
+use crate::link::{Answer, ArmCommand, Calibrate, StoreCommand};
+use crate::math::{Quaternion, sin_cos};
 use crate::reactive::PhaseEvent;
 use crate::safety::{Check, Checks, FlightEvent, FlightState, Seen};
 use crate::sensors::GRAVITY;
 use crate::time::Instant;
-use crate::units::{Thrust, Velocity};
+use crate::units::Velocity;
 
 impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     // What the pilot asks for.
@@ -29,20 +31,16 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         // Whoever disarms a drone that stands has read why it refused to be armed.
         if !asked.arm && self.safety.state() == FlightState::Disarmed {
             self.reset = None;
+            self.storage.acknowledge();
         }
-        let answer = if done {
-            Answer::Accepted
-        } else {
-            Answer::TemporarilyRejected
-        };
-        // The motors stop now, not when the next sample comes.
-        let next = if self.safety.is_armed() {
+        // Motors that stop do so now, not when the next sample comes.
+        let next = if asked.arm || self.safety.is_armed() {
             Next::Wait
         } else {
             self.reactive.force(Reason::Ground);
             Next::Hyperperiod
         };
-        (next, Some(answer))
+        (next, Some(temporarily(done)))
     }
 
     /// One motor turns, while the drone is disarmed; a next test takes the place of one under way.
@@ -66,6 +64,38 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             }
         };
         (Next::Wait, Some(answer))
+    }
+
+    /// Measures what is to be known of a drone at rest, which it has been for a while.
+    pub(super) fn on_calibrate(&mut self, at: Instant, what: Calibrate) -> Answer {
+        let done = match (self.stands_no_longer(), what) {
+            (true, _) => Err(notice::CALIBRATE_ARMED),
+            (false, Calibrate::Gyroscope) => self.sensing.rest(at).map(drop),
+            (false, Calibrate::Level) => self.sensing.level(at),
+        };
+        let told = done.map(|()| {
+            self.storage.wish().trim |= what == Calibrate::Level;
+            notice::CALIBRATED
+        });
+        let accepted = told.is_ok();
+        self.record.notice(told.unwrap_or_else(|refused| refused));
+        temporarily(accepted)
+    }
+
+    /// Has the store keep or forget settings, while motors stand.
+    pub(super) fn on_store_command(&mut self, what: StoreCommand) -> Answer {
+        let stands = !self.stands_no_longer();
+        if stands {
+            let wish = self.storage.wish();
+            let keeps = what == StoreCommand::Save;
+            (wish.settings, wish.defaults) = (keeps, !keeps);
+        }
+        temporarily(stands)
+    }
+
+    /// True where motors may turn.
+    pub(super) fn stands_no_longer(&self) -> bool {
+        self.safety.is_armed() || self.safety.state() == FlightState::Testing
     }
 
     #[cold]
@@ -106,6 +136,8 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
                 Check::Gravity,
                 (force - GRAVITY).abs() <= ARMING_GRAVITY_ERROR,
             )
+            .and(Check::ImuMounting, self.sensing.stands_upright())
+            .and(Check::ChipMounting, !self.sensing.chip_is_aslant())
             .and(Check::Tilt, down.z >= sin_cos(ARMING_TILT.to_radians()).1)
             .and(Check::Setpoint, flies)
             .and(Check::Thrust, goal || thrust <= ARMING_THRUST)
@@ -118,6 +150,12 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
                 Check::Reset,
                 !self.reset.is_some_and(|reset| reset.is_unexpected()),
             )
+            .and(
+                Check::Motors,
+                !self.safety.has_lost_motors() && self.record.faults(Fault::Contrary) == 0,
+            )
+            .and(Check::Store, !self.storage.is_lost())
+            .and(Check::Storing, !self.storage.is_busy())
             .and(Check::Models, self.reactive.are_models_sane())
             .and(Check::Load, self.record.are_runs_in_time(now))
     }
@@ -229,31 +267,122 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             (FlightState::Descending, Some(_)) => {}
             (FlightState::Descending, None) => self.descend(now),
             (state, Some(goal)) if state.is_armed() => self.fly(now, stand_still(goal)),
-            (state, _) => {
-                let thrust = if state.is_armed() {
-                    self.safety.mean_thrust()
-                } else {
-                    Thrust::ZERO
-                };
-                self.fly(now, Aim::Setpoint(Setpoint::level(thrust)));
-            }
+            (state, _) if state.is_armed() => self.fly_alone(now),
+            _ => self.fly(now, Aim::Setpoint(Setpoint::default())),
         }
     }
 
-    /// A descent begins: to below the last goal, or level with less thrust than was flown.
+    /// Level, at the thrust that keeps the drone where it is, or lets it sink slowly.
+    fn fly_alone(&mut self, now: Instant) {
+        let thrust = self.safety.thrust_alone(now, self.sensing.sinking());
+        self.fly(now, Aim::Setpoint(Setpoint::level(thrust)));
+    }
+
+    /// A descent begins, or goes on: to below the last goal, or level with less thrust.
     fn descend(&mut self, now: Instant) {
-        let aim = match self.graph.flown_to() {
-            Some(goal) if self.demand.knows_place(now) => Aim::Goal(self.demand.sink(now, goal)),
-            _ => Aim::Setpoint(Setpoint::level(self.safety.descent_thrust())),
+        match self.graph.flown_to() {
+            Some(goal) if self.demand.knows_place(now) => {
+                let goal = self.demand.sink(now, goal);
+                self.fly(now, Aim::Goal(goal));
+            }
+            _ => self.fly_alone(now),
+        }
+    }
+
+    /// What is flown without the pilot, or with a motor less, follows the drone.
+    pub(super) fn aim(&mut self, now: Instant) {
+        match self.safety.state() {
+            FlightState::Descending => self.descend(now),
+            FlightState::Waiting if self.graph.flown_to().is_none() => self.fly_alone(now),
+            _ => {}
+        }
+        if self.safety.has_lost_motors() {
+            self.free_heading(now);
+        }
+    }
+
+    /// The heading that the drone has is the one that is asked for; it leans over the same ground.
+    ///
+    /// Without a motor no torque is left to hold a heading, and loops that hold on to one lean the
+    /// wrong way as the drone turns.
+    #[cold]
+    fn free_heading(&mut self, now: Instant) {
+        self.advance(now);
+        let heading = self.graph.estimate().heading();
+        let setpoint = *self.graph.flown();
+        let aim = match (self.graph.flown_to(), setpoint.attitude) {
+            (Some(goal), _) => Aim::Goal(Goal { heading, ..goal }),
+            (None, Some(attitude)) if setpoint.yaw == Yaw::Heading => {
+                let turn = Quaternion::from_heading(heading - attitude.heading());
+                let attitude = Some(attitude.then_body(turn));
+                Aim::Setpoint(Setpoint {
+                    attitude,
+                    ..setpoint
+                })
+            }
+            _ => return,
         };
         self.fly(now, aim);
     }
 
-    /// The goal of a descent goes on downwards.
-    pub(super) fn sink(&mut self, now: Instant) {
-        if self.safety.state() == FlightState::Descending && self.graph.flown_to().is_some() {
-            self.descend(now);
+    // Whether the body answers.
+
+    /// Looks whether the body does as the motors are asked, whenever it is time.
+    #[inline]
+    pub(super) fn watch_response(&mut self, at: Instant) {
+        if self.response.is_due(at) {
+            self.look_at_response(at);
         }
+    }
+
+    #[inline(never)]
+    fn look_at_response(&mut self, at: Instant) {
+        if !self.safety.state().is_in_the_air() {
+            self.response = Response::default();
+            return;
+        }
+        let felt = [
+            self.sensing.motion().rotation.rates.0,
+            self.sensing.force().0,
+        ];
+        let mixer = self.graph.mixer();
+        let asked = mixer.asked(self.safety.applied());
+        if let Some(unanswered) = self.response.look(at, felt, &asked, mixer) {
+            self.on_unanswered(at, unanswered);
+        }
+    }
+
+    /// A drone that its other motors can level flies on without one; any other falls all the more
+    /// the more is asked of its motors.
+    #[cold]
+    #[inline(never)]
+    fn on_unanswered(&mut self, at: Instant, unanswered: Unanswered) {
+        let flies = match unanswered {
+            Unanswered::Motor(motor) => {
+                self.record.fault(Fault::MotorLost);
+                self.record.event(Event::MotorLost(motor));
+                self.record.notice(notice::motor_lost(motor));
+                self.graph.lose_motor(motor);
+                self.safety.lose(motor) >= FEWEST_TO_FLY
+            }
+            Unanswered::Rates => {
+                self.record.fault(Fault::Contrary);
+                self.record.notice(notice::CONTRARY);
+                false
+            }
+        };
+        if !flies {
+            self.move_state(FlightEvent::Unanswered, at);
+        }
+    }
+}
+
+/// The answer to what is done, or may be done later.
+fn temporarily(done: bool) -> Answer {
+    if done {
+        Answer::Accepted
+    } else {
+        Answer::TemporarilyRejected
     }
 }
 

@@ -4,13 +4,16 @@ use super::demand::Silence;
 use crate::battery::BatteryState;
 use crate::link::{Notice, Severity};
 use crate::safety::{Check, FlightEvent, FlightState};
+use crate::settings::MOST_MOTORS;
 
 /// The state of the flight changed, and why.
 pub(super) const fn flight(state: FlightState, event: FlightEvent) -> Notice {
     use FlightEvent as On;
     let severity = match (state, event) {
         (FlightState::Descending | FlightState::Blind, _)
-        | (_, On::Upset | On::NotFinite | On::ImuLost | On::BatteryEmpty) => Severity::Critical,
+        | (_, On::Upset | On::Unanswered | On::NotFinite | On::ImuLost | On::BatteryEmpty) => {
+            Severity::Critical
+        }
         (FlightState::Waiting, _) | (_, On::TimeUp) => Severity::Warning,
         _ => Severity::Info,
     };
@@ -29,6 +32,20 @@ pub(super) const NOT_DISARMED: Notice = Notice::new(
     "in the air, needs force (21196)",
 );
 
+/// Something was measured at rest.
+pub(super) const CALIBRATED: Notice = Notice::new(Severity::Info, "calibrated", "in force");
+
+/// Why nothing was measured.
+pub(super) const CALIBRATE_ARMED: Notice = not_calibrated("motors may turn");
+/// As above.
+pub(super) const CALIBRATE_MOVING: Notice = not_calibrated("keep still and ask again");
+/// As above.
+pub(super) const CALIBRATE_SLANTED: Notice = not_calibrated("further than 0.1 g from level");
+
+const fn not_calibrated(why: &'static str) -> Notice {
+    Notice::new(Severity::Warning, "not calibrated", why)
+}
+
 /// Something that the drone is flown by stopped.
 pub(super) const fn silent(silence: Silence) -> Notice {
     let why = match silence {
@@ -38,6 +55,20 @@ pub(super) const fn silent(silence: Silence) -> Notice {
     };
     Notice::new(Severity::Warning, "silent", why)
 }
+
+/// A motor gives no lift.
+pub(super) fn motor_lost(motor: u8) -> Notice {
+    const NUMBERS: [&str; MOST_MOTORS] = ["1", "2", "3", "4", "5", "6", "7", "8"];
+    let number = NUMBERS.get(usize::from(motor)).copied();
+    Notice::new(Severity::Critical, "no lift, motor", number.unwrap_or("?"))
+}
+
+/// The body turns the other way.
+pub(super) const CONTRARY: Notice = Notice::new(
+    Severity::Critical,
+    "turns the wrong way",
+    "check axes, motor order",
+);
 
 /// The battery is fuller or emptier than it was.
 pub(super) const fn battery(state: BatteryState) -> Notice {
@@ -71,7 +102,14 @@ mod tests {
         let all = flights
             .chain(Check::ALL.map(not_armed))
             .chain(silences)
-            .chain([NOT_DISARMED, PLACE_RESET, PLACE_JUMPED]);
+            .chain((0..=8).map(motor_lost))
+            .chain([NOT_DISARMED, CONTRARY, PLACE_RESET, PLACE_JUMPED])
+            .chain([
+                CALIBRATED,
+                CALIBRATE_ARMED,
+                CALIBRATE_MOVING,
+                CALIBRATE_SLANTED,
+            ]);
         for notice in all {
             let line: Vec<u8> = notice.line().collect();
             assert!(

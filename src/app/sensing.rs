@@ -15,10 +15,13 @@ mod repeats;
 mod signal;
 
 use super::door::Fault;
+use super::notice;
+use crate::config::CALIBRATION_LENGTH;
 use crate::estimate::{Arrival, Calibrating, GyroCalibration, Iron, Motion, Vertical};
+use crate::link::Notice;
 use crate::math::{Quaternion, Vec3};
 use crate::sensors::{GRAVITY, ImuReading, ImuSample};
-use crate::settings::Settings;
+use crate::settings::{LARGEST_TRIM, Settings};
 use crate::time::{Duration, Instant, micros, seconds, span};
 use crate::units::{BodyRates, SpecificForce};
 use accels::Accels;
@@ -45,6 +48,10 @@ const FORCES: Range = Range {
 const GAP: f32 = 0.02;
 /// The longest gap that rates at its ends say something about.
 const LONGEST_BRIDGE: Duration = micros(5_000_000);
+/// Force (m/s2) and rates (rad/s) of a drone at rest stay this near to their means.
+const AT_REST: f32 = 0.2;
+/// Cosine of the tilt beyond which a chip is mounted another way, rather than the drone set askew.
+const UPRIGHT: f32 = 0.7;
 /// Tilt (sine) between estimate and gravity at rest beyond which they disagree: 6 degrees.
 const LEVEL: f32 = 0.1;
 
@@ -53,6 +60,10 @@ const LEVEL: f32 = 0.1;
 pub(super) struct Sensing {
     calibration: GyroCalibration,
     bias: Option<BodyRates>,
+    /// What the accelerometer shows beyond gravity, of a drone that stands level.
+    trim: Vec3,
+    /// When the drone last ended a stretch of rest, and the mean force of that.
+    rested: Option<(Instant, Vec3)>,
     gyro: Signal,
     accel: Signal,
     flow: Flow,
@@ -122,6 +133,8 @@ impl Sensing {
         Self {
             calibration: GyroCalibration::default(),
             bias: None,
+            trim: Vec3::from_array(settings.accel_trim),
+            rested: None,
             gyro: Signal::default(),
             accel: Signal::default(),
             flow: Flow::default(),
@@ -159,7 +172,7 @@ impl Sensing {
             self.calibration = GyroCalibration::default();
             return Taken::Lost;
         }
-        let force = SpecificForce(self.believed(accel.value));
+        let force = SpecificForce(self.believed(accel.value - self.trim));
         let raw = ImuSample {
             at,
             rates: BodyRates(gyro.value),
@@ -219,6 +232,7 @@ impl Sensing {
         match calibrating {
             Calibrating::Found(found) => {
                 self.bias = Some(found.bias);
+                self.rested = Some((sample.at, found.force));
                 self.vertical = self.vertical.at_rest(found.force);
             }
             Calibrating::Turning => self.bias = None,
@@ -227,9 +241,45 @@ impl Sensing {
         calibrating
     }
 
+    /// The mean force of a drone that is at rest, and has been for the length of a calibration.
+    ///
+    /// # Errors
+    /// It is not.
+    pub(super) fn rest(&self, now: Instant) -> Result<Vec3, Notice> {
+        let fresh = |(at, force): (Instant, Vec3)| {
+            let moved = (self.force().0 - force).max_norm();
+            let turns = self.motion().rotation.rates.0.max_norm();
+            let still = moved <= AT_REST && turns <= AT_REST && self.trusts_force();
+            (still && span(at, now) <= CALIBRATION_LENGTH * 2).then_some(force)
+        };
+        let rest = self.rested.and_then(fresh);
+        rest.ok_or(notice::CALIBRATE_MOVING)
+    }
+
+    /// Takes the way that a drone at rest stands for level.
+    ///
+    /// # Errors
+    /// It is not at rest, or stands too far from level.
+    pub(super) fn level(&mut self, now: Instant) -> Result<(), Notice> {
+        let beyond = self.rest(now)? + Vec3::new(0.0, 0.0, GRAVITY);
+        let trim = self.trim + beyond;
+        if trim.max_norm() > LARGEST_TRIM {
+            return Err(notice::CALIBRATE_SLANTED);
+        }
+        self.trim = trim;
+        self.rested = None;
+        Ok(())
+    }
+
+    /// What the accelerometer shows beyond gravity, of a drone that stands level.
+    pub(super) fn trim(&self) -> Vec3 {
+        self.trim
+    }
+
     /// The next samples calibrate anew, from the start.
     pub(super) fn forget_calibration(&mut self) {
         self.bias = None;
+        self.rested = None;
         self.calibration = GyroCalibration::default();
     }
 
@@ -287,9 +337,25 @@ impl Sensing {
         motion
     }
 
+    /// How fast the body sinks, in m/s, where the accelerometer is believed.
+    pub(super) fn sinking(&self) -> Option<f32> {
+        self.trusts_force().then(|| self.vertical.sinking())
+    }
+
     /// The filtered specific force.
     pub(super) fn force(&self) -> SpecificForce {
         self.arrival.force()
+    }
+
+    /// True where gravity is felt from below, if a drone at rest is not set on its side.
+    pub(super) fn stands_upright(&self) -> bool {
+        let force = self.force().0;
+        force.z < -UPRIGHT * force.norm()
+    }
+
+    /// True where the other chip feels gravity from elsewhere.
+    pub(super) fn chip_is_aslant(&self) -> bool {
+        self.accels.is_second_aslant()
     }
 
     /// Takes a force (m/s2) that the other accelerometer felt.
@@ -297,8 +363,12 @@ impl Sensing {
         &mut self,
         at: Instant,
         force: Vec3,
+        armed: bool,
         tell: &mut impl FnMut(Fault),
     ) {
+        if !armed {
+            self.accels.compare(self.accel.newest(), force);
+        }
         if self.accels.take(at, self.accel.newest(), force) {
             tell(Fault::AccelsApart);
         }

@@ -6,6 +6,7 @@
 
 use super::demand::Silence;
 use super::door::{ChipOrder, ChipSetting, Fault, OrderError};
+use super::storage::StoreEvent;
 use crate::math::Quaternion;
 use crate::reactive::{FallbackReason, Fit, Phase, Reason};
 use crate::reset::Mode;
@@ -55,6 +56,8 @@ pub enum Event {
     OrderFailed(ChipOrder, OrderError),
     /// The state of the flight changed, and why.
     Flight(FlightState, FlightEvent),
+    /// A motor, from 0, gives no lift.
+    MotorLost(u8),
     /// Motors were not armed: what failed.
     NotArmed(Checks),
     /// Motors were not disarmed: the drone is in the air.
@@ -63,6 +66,10 @@ pub enum Event {
     Fault(Fault, u32),
     /// Something that the drone is flown by stopped.
     Silent(Silence),
+    /// The field (gauss, body axes, with the board's iron) of a drone that is turned by hand.
+    Field([f32; 3]),
+    /// What was stored, or is.
+    Store(StoreEvent),
     /// The source of places moved its frame: places and goals are moved back into the drone's.
     PlaceReset,
 }

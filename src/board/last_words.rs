@@ -12,7 +12,7 @@ use reflex::reset::{LastWords, Mode};
 use stm32f4xx_hal::pac::Interrupt;
 
 /// The flash, where a panic's place in the source is.
-const FLASH: core::ops::Range<u32> = 0x0800_0000..0x0820_0000;
+const FLASH: core::ops::Range<u32> = 0x0800_0000..0x0810_0000;
 /// Number of the first exception that is an interrupt.
 const FIRST_INTERRUPT: u8 = 16;
 /// No source file has a longer name.

@@ -16,6 +16,7 @@
 
 mod battery;
 mod chips;
+mod flash;
 mod i2c;
 pub mod imu;
 mod imu_line;
@@ -33,6 +34,7 @@ use cortex_m::singleton;
 use embedded_hal_bus::util::AtomicCell;
 use reflex::airframe::Mixer;
 use reflex::config::LINK_WIRED;
+use reflex::link::SigningKey;
 use reflex::reset::Reset;
 use reflex::sensors::Input;
 use reflex::tasks::link;
@@ -41,16 +43,20 @@ use stm32f4xx_hal::gpio::{self, AnyPin, Output, PinState, Pull, gpioa, gpioc, gp
 use stm32f4xx_hal::syscfg::SysCfg;
 use stm32f4xx_hal::{pac, prelude::*};
 
+use super::keeper;
 use super::lines::Line;
 use super::settings_block::Given;
 use super::watchdog::{self, Watchdog};
-use super::{clock, reset, settings_block};
+use super::{clock, reset};
 
 /// The crystal in Hz.
 const CRYSTAL_HZ: u32 = 8_000_000;
 
 /// The link over its port.
 pub type Link = link::Link<link_port::LinkPort>;
+
+/// What a restart must not forget, in this board's flash.
+pub type Keeper = keeper::Keeper<flash::Flash>;
 
 /// The interrupt of a sensor with a clock of its own, and the input that it announces.
 pub type ChipLine = (Input, Line<AnyPin<gpio::Input>>);
@@ -71,6 +77,8 @@ pub struct Board {
     pub link: Link,
     /// The battery.
     pub gauge: Gauge,
+    /// What a restart must not forget.
+    pub keeper: Keeper,
     /// Running, to be fed from the failsafe timer.
     pub watchdog: Watchdog,
     /// Why it started.
@@ -95,7 +103,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     // The clock runs: from here on the log has time stamps.
     reset::tell(&reset);
     watchdog::warn_of_halts(&device.DBGMCU);
-    let start = settings_block::read();
+    let (keeper, start, stored) = Keeper::start(flash::Flash::new(device.FLASH));
     let mixer = Mixer::new(&start.airframe);
     let (a, b) = (device.GPIOA.split(rcc), device.GPIOB.split(rcc));
     let (c, d) = (device.GPIOC.split(rcc), device.GPIOD.split(rcc));
@@ -139,7 +147,7 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
     imu_bus.give_back(bus, &Ok(()));
     let imu_line = ImuLine::new(line, lines.1, device.TIM2, rcc);
     watchdog.feed();
-    let link = Link::new(port, LINK_WIRED, start.airframe.count());
+    let link = link(port, count, stored.key);
     Board {
         imu_line,
         imu_bus,
@@ -148,11 +156,21 @@ pub fn start(mut core: cortex_m::Peripherals, device: pac::Peripherals) -> Board
         motors,
         link,
         gauge,
+        keeper,
         watchdog,
         reset,
         start,
         mixer,
     }
+}
+
+/// The link, which goes on with the key of an earlier start.
+fn link(port: link_port::LinkPort, motors: usize, key: Option<SigningKey>) -> Link {
+    let mut link = Link::new(port, LINK_WIRED, motors);
+    if let Some(key) = key {
+        link.restore(clock::now(), key);
+    }
+    link
 }
 
 /// The pins on which sensors with clocks of their own interrupt.

@@ -27,7 +27,11 @@ const AVERAGED: f32 = 2.0;
 /// The mean error (rad) that contradicts: 37 degrees.
 const CONTRADICTS: f32 = 0.65;
 
-/// The vertical, and the gyroscope's drift since its bias was measured.
+/// Time constant (s) over which a vertical speed is forgotten: an accelerometer that is off by
+/// 0.05 m/s2 then shows 1 m/s at most.
+const FORGETTING: f32 = 20.0;
+
+/// The vertical, the gyroscope's drift since its bias was measured, and how fast the body sinks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Vertical {
     filter: AttitudeFilter,
@@ -35,6 +39,10 @@ pub struct Vertical {
     drift: Vec3,
     /// Mean sine of the angle between both verticals.
     off: f32,
+    /// Gravity as the accelerometer showed it at rest, in m/s2.
+    gravity: f32,
+    /// In m/s.
+    sinking: f32,
 }
 
 impl Vertical {
@@ -44,6 +52,7 @@ impl Vertical {
         let attitude = self.filter.attitude().levelled(force);
         Self {
             filter: attitude.map_or(self.filter, |attitude| self.filter.turned_to(attitude)),
+            gravity: force.norm(),
             ..Self::default()
         }
     }
@@ -68,6 +77,12 @@ impl Vertical {
     #[must_use]
     pub fn down(&self) -> Vec3 {
         self.filter.attitude().down_in_body()
+    }
+
+    /// How fast the body sinks, in m/s, by what it felt since it stood; forgotten over 20 s.
+    #[must_use]
+    pub fn sinking(&self) -> f32 {
+        self.sinking
     }
 
     /// True where gyroscope and accelerometer contradict each other.
@@ -101,6 +116,9 @@ impl Vertical {
             filter: self.filter.stepped(motion, None, &SPEED),
             drift: (self.drift - step).limited(MOST),
             off: self.off + (off - self.off) * share,
+            gravity: self.gravity,
+            sinking: (self.sinking + down.dot(motion.velocity) + self.gravity * dt)
+                * (1.0 - dt * (1.0 / (FORGETTING + dt))),
         }
     }
 }

@@ -82,6 +82,9 @@ pub trait ControlLogic {
 
     /// The mixer that it commands.
     fn mixer(&self) -> &Mixer;
+
+    /// A motor, from 0, gives no lift: the others fly on.
+    fn lose_motor(&mut self, motor: u8);
 }
 
 /// A control logic that is made of its gains and a mixer, by default those that were built in.
@@ -158,6 +161,10 @@ macro_rules! standard_inputs {
 
         fn mixer(&self) -> &$crate::airframe::Mixer {
             self.mixer()
+        }
+
+        fn lose_motor(&mut self, motor: u8) {
+            self.set_mixer(self.mixer().without(motor));
         }
     };
 }

@@ -142,10 +142,13 @@ impl Admission {
     fn is_allowed(&mut self, at: Instant, from: Peer, message: &Message) -> bool {
         match message {
             Message::Heartbeat => true,
-            Message::Setpoint(_) | Message::Goal(_) | Message::Arm(_) | Message::TestMotor(_) => {
-                self.pilot.claim(at, from)
-            }
             Message::Pose(_) => self.tracker.claim(at, from),
+            Message::Setpoint(_)
+            | Message::Goal(_)
+            | Message::Arm(_)
+            | Message::TestMotor(_)
+            | Message::Calibrate(_)
+            | Message::Store(_) => self.pilot.claim(at, from),
         }
     }
 }

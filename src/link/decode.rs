@@ -5,7 +5,7 @@
 //! | HEARTBEAT | [`Message::Heartbeat`] | never: that it arrived is what counts |
 //! | SET_ATTITUDE_TARGET | [`Message::Setpoint`] | see [`setpoint`] |
 //! | SET_POSITION_TARGET_LOCAL_NED | [`Message::Goal`] | see [`destination`] |
-//! | COMMAND_LONG, COMMAND_INT | [`Message::Arm`] | see [`command`] |
+//! | COMMAND_LONG, COMMAND_INT | [`Message::Arm`] and what else [`Message::command`] has | see [`command`] |
 //! | ODOMETRY | [`Message::Pose`] | see [`pose`] |
 //! | SETUP_SIGNING | a [`SigningKey`] | its stamp has more than 48 bits |
 //!
@@ -17,8 +17,8 @@
 use super::framing::RawFrame;
 use super::signing::SigningKey;
 use super::{
-    ARM_DISARM, Answer, ArmCommand, COMPONENT, Destination, ExternalPose, MOTOR_TEST, Message,
-    SYSTEM,
+    ARM_DISARM, Answer, ArmCommand, CALIBRATE, COMPONENT, Calibrate, Destination, ExternalPose,
+    MOTOR_TEST, Message, STORE, SYSTEM, StoreCommand,
 };
 use crate::config::LARGEST_DISTANCE;
 use crate::control::{MotorTest, Setpoint, Yaw};
@@ -265,8 +265,37 @@ fn command(payload: &[u8]) -> Decoded {
             .map_or(Decoded::RefusedCommand(number, Answer::Denied), |test| {
                 Decoded::Message(Message::TestMotor(test))
             }),
+        (CALIBRATE, _) => calibration(&fields)
+            .map_or(Decoded::RefusedCommand(number, Answer::Denied), |what| {
+                Decoded::Message(Message::Calibrate(what))
+            }),
+        (STORE, 1.0) => Decoded::Message(Message::Store(StoreCommand::Save)),
+        (STORE, 2.0) => Decoded::Message(Message::Store(StoreCommand::Reset)),
+        (STORE, _) => Decoded::RefusedCommand(number, Answer::Denied),
         _ => Decoded::RefusedCommand(number, Answer::Unsupported),
     }
+}
+
+/// What a MAV_CMD_PREFLIGHT_CALIBRATION asks for: `param1` 1, the gyroscope, or `param5` 2, level, and
+/// nothing else. A COMMAND_INT has a whole number in the fifth place.
+fn calibration(fields: &[u8; COMMAND_LENGTH]) -> Option<Calibrate> {
+    let (parameters, _) = fields.split_first_chunk::<{ 4 * 7 }>()?;
+    let (parameters, _) = parameters.as_chunks::<4>();
+    let asked = |place: usize, words: &[[u8; 4]]| {
+        let others = parameters.iter().enumerate();
+        let mut others = others.filter(|(other, _)| *other != place);
+        // Some clients leave what they do not use as no number.
+        let unused =
+            |word: &[u8; 4]| matches!(f32::from_le_bytes(*word), n if n == 0.0 || n.is_nan());
+        parameters
+            .get(place)
+            .is_some_and(|word| words.contains(word))
+            && others.all(|(_, word)| unused(word))
+    };
+    if asked(0, &[1_f32.to_le_bytes()]) {
+        return Some(Calibrate::Gyroscope);
+    }
+    asked(4, &[2_f32.to_le_bytes(), 2_i32.to_le_bytes()]).then_some(Calibrate::Level)
 }
 
 /// The test in a MAV_CMD_DO_MOTOR_TEST; `None` where it is refused.

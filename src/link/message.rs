@@ -1,8 +1,9 @@
 //! The messages that the link brings to the autopilot, decoded and checked.
 
-use super::{ARM_DISARM, MOTOR_TEST};
+use super::{ARM_DISARM, CALIBRATE, MOTOR_TEST, STORE};
 use crate::control::{Goal, MotorTest, Setpoint};
 use crate::math::Quaternion;
+use crate::numbered::numbered;
 use crate::units::{Position, Velocity};
 
 /// Position and attitude from outside: a motion capture, a companion computer.
@@ -70,6 +71,26 @@ impl ArmCommand {
     };
 }
 
+numbered! {
+    /// What is to be calibrated, while the drone stands still.
+    Calibrate {
+        /// The gyroscope's bias (`param1` is 1).
+        Gyroscope,
+        /// The accelerometer, of a drone that stands level (`param5` is 2).
+        Level,
+    }
+}
+
+numbered! {
+    /// What the store is to do.
+    StoreCommand {
+        /// Keep every setting in force (`param1` is 1).
+        Save,
+        /// Forget all settings: from the next start on those of the configuration hold (`param1` is 2).
+        Reset,
+    }
+}
+
 /// What a peer may send to the autopilot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Message {
@@ -81,6 +102,10 @@ pub enum Message {
     Arm(ArmCommand),
     /// Turn one motor of a disarmed drone (MAV_CMD_DO_MOTOR_TEST).
     TestMotor(MotorTest),
+    /// Calibrate (MAV_CMD_PREFLIGHT_CALIBRATION).
+    Calibrate(Calibrate),
+    /// Store settings (MAV_CMD_PREFLIGHT_STORAGE).
+    Store(StoreCommand),
     /// Where the drone is (ODOMETRY).
     Pose(ExternalPose),
     /// Where to fly (SET_POSITION_TARGET_LOCAL_NED).
@@ -94,6 +119,8 @@ impl Message {
         match self {
             Self::Arm(_) => Some(ARM_DISARM),
             Self::TestMotor(_) => Some(MOTOR_TEST),
+            Self::Calibrate(_) => Some(CALIBRATE),
+            Self::Store(_) => Some(STORE),
             Self::Heartbeat | Self::Setpoint(_) | Self::Pose(_) | Self::Goal(_) => None,
         }
     }
@@ -102,7 +129,7 @@ impl Message {
     #[must_use]
     pub fn is_finite(&self) -> bool {
         match self {
-            Self::Heartbeat | Self::Arm(_) => true,
+            Self::Heartbeat | Self::Arm(_) | Self::Calibrate(_) | Self::Store(_) => true,
             Self::TestMotor(test) => test.share.is_finite(),
             Self::Setpoint(setpoint) => setpoint.rates.is_finite(),
             Self::Pose(pose) => pose.position.is_finite() && pose.velocity.is_finite(),

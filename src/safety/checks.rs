@@ -15,6 +15,10 @@ numbered! {
         Still,
         /// The specific force at rest is gravity.
         Gravity,
+        /// The inertial sensor feels gravity from below.
+        ImuMounting,
+        /// The other chip feels it from where the inertial sensor does.
+        ChipMounting,
         /// Estimate and gravity agree about the vertical.
         Level,
         /// The body is upright.
@@ -29,6 +33,12 @@ numbered! {
         Battery,
         /// No reset that nobody asked for waits to be acknowledged.
         Reset,
+        /// The body answered the motors, since the start.
+        Motors,
+        /// Nothing that was stored is missing unknown to the pilot.
+        Store,
+        /// Nothing is being stored.
+        Storing,
         /// What reactive control learned are numbers.
         Models,
         /// The processor runs control in time.
@@ -46,6 +56,8 @@ impl Check {
             Self::Configuration => "a sensor lost its configuration",
             Self::Still => "drone turns, keep still",
             Self::Gravity => "accelerometer is not near 1 g",
+            Self::ImuMounting => "imu feels no gravity below, mounting?",
+            Self::ChipMounting => "chip and imu feel gravity apart",
             Self::Level => "level and gravity disagree, keep still",
             Self::Tilt => "tilted, set level or check mounting",
             Self::Setpoint => "no fresh setpoint, nor goal and place",
@@ -53,6 +65,9 @@ impl Check {
             Self::MotorTest => "a motor is being tested",
             Self::Battery => "battery low, charge it",
             Self::Reset => "reset by itself, disarm to acknowledge",
+            Self::Motors => "motors were not answered, restart",
+            Self::Store => "settings lost, disarm to acknowledge",
+            Self::Storing => "settings are being stored, wait",
             Self::Models => "a learned model is no number, restart",
             Self::Load => "processor runs control late",
         }
@@ -62,7 +77,7 @@ impl Check {
 /// Checks that failed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
-pub struct Checks(u16);
+pub struct Checks(u32);
 
 impl Checks {
     /// None failed.
@@ -71,7 +86,7 @@ impl Checks {
     /// With one more, where it did not pass.
     #[must_use]
     pub fn and(self, check: Check, passed: bool) -> Self {
-        Self(self.0 | u16::from(!passed) << check.number())
+        Self(self.0 | u32::from(!passed) << check.number())
     }
 
     /// True where none failed.

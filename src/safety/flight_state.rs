@@ -58,6 +58,8 @@ numbered! {
         ImuBack,
         /// The drone lies over, or follows no command.
         Upset,
+        /// The body does not answer the motors: too few turn, or it turns the other way.
+        Unanswered,
         /// Several commands in a row were no numbers.
         NotFinite,
         /// The battery is nearly empty.
@@ -87,7 +89,8 @@ impl FlightState {
             (Self::Testing, On::BatteryEmpty | On::PilotSilent) => Self::Disarmed,
             (Self::Testing, _) => self,
 
-            (_, On::ForceDisarm | On::Kill | On::Upset | On::NotFinite) => Self::Disarmed,
+            (_, On::ForceDisarm | On::Kill) => Self::Disarmed,
+            (_, On::Upset | On::Unanswered | On::NotFinite) => Self::Disarmed,
             (Self::Armed, On::Disarm | On::PilotSilent | On::TimeUp | On::BatteryEmpty) => {
                 Self::Disarmed
             }
@@ -155,6 +158,7 @@ impl FlightEvent {
             Self::ImuLost => "gyroscope lost",
             Self::ImuBack => "gyroscope back",
             Self::Upset => "lies over, or astray",
+            Self::Unanswered => "motors are not answered",
             Self::NotFinite => "commands are no numbers",
             Self::BatteryEmpty => "battery nearly empty",
         }

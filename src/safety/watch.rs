@@ -2,46 +2,20 @@
 //!
 //! Looked at in every run, so at least once in a failsafe period, whatever else happens.
 
+use super::ground::Ground;
+use super::hold::Hold;
+use super::seen::{Lasting, Seen};
 use super::{FlightEvent, FlightState};
 use crate::config::{
-    BLIND_TIME, DESCENT_THRUST, DESCENT_TIME, IDLE_THRUST, LANDED_TIME, LONGEST_ON_GROUND,
-    UPSET_TILT, UPSET_TIME, WAITING_TIME,
+    BLIND_TIME, DESCENT_SPEED, DESCENT_THRUST, DESCENT_TIME, LONGEST_ON_GROUND, UPSET_TILT,
+    UPSET_TIME, WAITING_TIME,
 };
-use crate::math::{Vec3, min, sin_cos};
-use crate::sensors::GRAVITY;
+use crate::math::{between, min, sin_cos};
 use crate::time::{Duration, Instant, seconds, span};
 use crate::units::Thrust;
 
 /// Time constant (s) of the mean thrust that is flown: through manoeuvres it is that of hovering.
 const MEAN_THRUST_OVER: f32 = 5.0;
-
-/// At rest the body turns no faster, in rad/s. Motors that idle shake it.
-const REST_RATE: f32 = 0.3;
-
-/// At rest the specific force is within this of gravity, in m/s2.
-const REST_FORCE: f32 = 2.0;
-
-/// A drone at rest with less than this share of the mean thrust is not held by its rotors.
-const LANDED_SHARE: f32 = 0.5;
-
-/// What a run knows of the drone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
-    /// Now.
-    pub at: Instant,
-    /// Collective thrust that was asked of the mixer.
-    pub thrust: Thrust,
-    /// Filtered rates, in rad/s.
-    pub rates: Vec3,
-    /// Filtered specific force, in m/s2.
-    pub force: Vec3,
-    /// Where down is by the estimate, body axes, of length 1.
-    pub down: Vec3,
-    /// Where it shall be; `None` where no attitude is asked for.
-    pub asked_down: Option<Vec3>,
-    /// The drone comes down to a place that it sees.
-    pub sees_place: bool,
-}
 
 /// Looks for the end of a flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +23,8 @@ pub struct Watch {
     /// Since when the state holds.
     since: Instant,
     newest: Instant,
-    landed: Lasting,
+    ground: Ground,
+    hold: Hold,
     upset: Lasting,
     /// Mean thrust flown, as a share.
     mean_thrust: f32,
@@ -67,7 +42,8 @@ impl Default for Watch {
         Self {
             since: start,
             newest: start,
-            landed: Lasting::default(),
+            ground: Ground::default(),
+            hold: Hold::default(),
             upset: Lasting::default(),
             mean_thrust: 0.0,
             flown: 0.0,
@@ -83,9 +59,12 @@ impl Watch {
         self.since = now;
         // A landing or an upset under way goes on counting in the next state of the air.
         if !state.is_in_the_air() {
-            self.landed = Lasting::default();
+            self.ground = Ground::default();
             self.upset = Lasting::default();
             self.flown = 0.0;
+        }
+        if state == FlightState::Waiting {
+            self.hold = Hold::default();
         }
     }
 
@@ -102,20 +81,16 @@ impl Watch {
         if !state.is_armed() {
             return self.is_over(state, seen).then_some(FlightEvent::TimeUp);
         }
-        if state == FlightState::Armed && seen.thrust.share() > IDLE_THRUST {
-            return Some(FlightEvent::TookOff);
-        }
-        let rests =
-            seen.rates.max_norm() < REST_RATE && (seen.force.norm() - GRAVITY).abs() < REST_FORCE;
-        let stands = rests && self.is_low(seen.thrust.share());
+        let stands = Ground::stands(seen, self.mean_thrust);
         // What stands on the ground says nothing of hovering.
         if state == FlightState::Flying && !stands {
             self.average(seen.thrust.share(), dt);
         }
-        if state.is_in_the_air() && self.landed.lasts(stands, seen.at, LANDED_TIME) {
-            return Some(FlightEvent::Landed);
+        let shown = self.ground.take(seen, dt, stands);
+        if shown.is_some_and(|event| state.after(event) != Ok(state)) {
+            return shown;
         }
-        if state != FlightState::Blind && self.is_upset(rests, seen) {
+        if state != FlightState::Blind && self.is_upset(seen) {
             return Some(FlightEvent::Upset);
         }
         self.is_over(state, seen).then_some(FlightEvent::TimeUp)
@@ -129,13 +104,8 @@ impl Watch {
         }
     }
 
-    /// In the air a drone with so little thrust falls: what its accelerometer shows is no gravity.
-    fn is_low(&self, thrust: f32) -> bool {
-        thrust <= IDLE_THRUST || thrust <= LANDED_SHARE * self.mean_thrust
-    }
-
-    fn is_upset(&mut self, rests: bool, seen: &Seen) -> bool {
-        let lies = rests && seen.down.z < self.upset_cosine;
+    fn is_upset(&mut self, seen: &Seen) -> bool {
+        let lies = seen.rests() && seen.down.z < self.upset_cosine;
         let astray =
             (seen.asked_down).is_some_and(|asked| asked.dot(seen.down) < self.upset_cosine);
         self.upset.lasts(lies || astray, seen.at, UPSET_TIME)
@@ -153,36 +123,33 @@ impl Watch {
         span(self.since, seen.at) >= longest
     }
 
-    /// The mean thrust that was flown: about that of hovering.
-    #[must_use]
-    pub fn mean_thrust(&self) -> Thrust {
-        Thrust::new(self.mean_thrust).unwrap_or_default()
+    /// True where the drone has left the ground for certain.
+    pub fn flies(&self) -> bool {
+        self.ground.flies()
     }
 
-    /// The thrust of a descent that sees no place.
-    #[must_use]
-    pub fn descent_thrust(&self) -> Thrust {
-        Thrust::new(self.mean_thrust * DESCENT_THRUST).unwrap_or_default()
-    }
-}
-
-/// Something that counts only once it has lasted.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Lasting(Option<Instant>);
-
-impl Lasting {
-    fn lasts(&mut self, holds: bool, now: Instant, time: Duration) -> bool {
-        if !holds {
-            self.0 = None;
-            return false;
-        }
-        span(*self.0.get_or_insert(now), now) >= time
+    /// The thrust of a drone without pilot and place, which sinks so fast (m/s), if that is known.
+    pub fn thrust_alone(
+        &mut self,
+        state: FlightState,
+        now: Instant,
+        sinking: Option<f32>,
+    ) -> Thrust {
+        let (speed, unseen) = match state {
+            FlightState::Descending => (DESCENT_SPEED, DESCENT_THRUST),
+            _ => (0.0, 1.0),
+        };
+        let share = sinking.map_or(unseen, |sinking| self.hold.thrust(now, speed, sinking));
+        Thrust::new(between(self.mean_thrust * share, 0.0, 1.0)).unwrap_or_default()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::{IDLE_THRUST, LANDED_TIME};
+    use crate::math::Vec3;
+    use crate::sensors::GRAVITY;
     use crate::time::{at_micros, micros};
 
     const STEP: Duration = micros(100_000);
@@ -322,9 +289,12 @@ mod tests {
                 },
             );
         }
-        let mean = watch.mean_thrust().share();
+        let now = at_micros(0) + STEP * 100;
+        let mean = watch.thrust_alone(FlightState::Waiting, now, None).share();
         assert!((mean - 0.4).abs() < 0.01, "{mean}");
-        let descent = watch.descent_thrust().share();
-        assert!((descent - mean * DESCENT_THRUST).abs() < 1e-6, "{descent}");
+        let descent = watch.thrust_alone(FlightState::Descending, now, None);
+        assert!((descent.share() - mean * DESCENT_THRUST).abs() < 1e-6);
+        let sinking = watch.thrust_alone(FlightState::Descending, now, Some(0.0));
+        assert!(sinking.share() < mean, "{sinking:?}");
     }
 }

@@ -13,7 +13,7 @@ const WORD: usize = 4;
 
 /// NOR flash of two sectors: bits fall one by one, and rise by sectors.
 #[derive(Clone, Debug)]
-struct Nor {
+pub(crate) struct Nor {
     bytes: Vec<u8, { 2 * SECTOR }>,
     /// Words and sectors that are still changed before power fails; half of the next one is.
     left: u32,
@@ -22,7 +22,7 @@ struct Nor {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Broken(NorFlashErrorKind);
+pub(crate) struct Broken(NorFlashErrorKind);
 
 impl NorFlashError for Broken {
     fn kind(&self) -> NorFlashErrorKind {
@@ -40,7 +40,7 @@ impl Nor {
         }
     }
 
-    fn erased() -> Self {
+    pub(crate) fn erased() -> Self {
         Self::filled(ERASED)
     }
 

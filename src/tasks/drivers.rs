@@ -7,7 +7,7 @@ use reflex_drivers::quantity::Seconds;
 
 use super::chips::Chips;
 use crate::app::{ChipOrder, OrderError};
-use crate::config::{CHIP_ACCEL_RATE, CHIP_MAG_RATE};
+use crate::config::{CHIP_ACCEL_RATE, CHIP_MAG_RATE, CHIP_MOUNTING};
 use crate::sensors::Input;
 use crate::settings::Settings;
 use crate::time::seconds;
@@ -60,10 +60,18 @@ impl<D: SpiDevice> Drivers<D> {
 
 impl<D: SpiDevice> Chips for Drivers<D> {
     fn fetch(&mut self, input: Input) -> Result<Sample, OrderError> {
-        self.with(input, |sensor| sensor.fetch())
+        self.with(input, |sensor| sensor.fetch()).map(in_body)
     }
 
     fn execute(&mut self, order: ChipOrder) -> Result<Obeyed, OrderError> {
-        self.with(order.input, |sensor| sensor.execute(order.action))
+        let obeyed = self.with(order.input, |sensor| sensor.execute(order.action))?;
+        let sample = obeyed.sample.map(in_body);
+        Ok(Obeyed { sample, ..obeyed })
     }
+}
+
+/// Along the body's axes.
+fn in_body(sample: Sample) -> Sample {
+    let axes = CHIP_MOUNTING.turned(sample.axes);
+    Sample { axes, ..sample }
 }

@@ -1,14 +1,20 @@
 //! The link: frames from bytes, messages to the autopilot, answers and heartbeats.
 
-use super::{Board, Lock, follow};
-use crate::app::{Autopilot, Fault, Recorder};
+use super::{Board, Lock, Task, follow};
+use crate::app::{Autopilot, Fault, Recorder, StoreEvent};
 use crate::graph::ControlLogic;
-use crate::link::{Frame, Incoming, LinkCounters, Notice, Parser, Sender, Severity, Status};
+use crate::link::{
+    Frame, Incoming, LinkCounters, Notice, Parser, Sender, Severity, SigningKey, Status,
+};
 use crate::safety::FlightState;
-use crate::time::{Duration, Instant, micros};
+use crate::time::{Duration, Instant, micros, span};
 
 /// Between two heartbeats.
 pub const BEAT: Duration = micros(1_000_000);
+
+/// The stamp that frames are signed with is stored this often: a restart goes on from it, and frames of
+/// the time since could be sent again. Flash bears 100,000 saves and more.
+const KEY_LIFE: Duration = micros(600_000_000);
 
 /// Bytes taken from the port at once: a setpoint's frame and its like.
 const CHUNK: usize = 64;
@@ -40,6 +46,8 @@ pub struct Link<P> {
     wired: bool,
     parser: Parser,
     sender: Sender,
+    /// When the key or its stamp was last handed over to be stored.
+    key_stored: Instant,
     /// What was returned for the log last.
     logged: LinkCounters,
 }
@@ -52,8 +60,25 @@ impl<P: Port> Link<P> {
             wired,
             parser: Parser::new(),
             sender: Sender::new(motors),
+            key_stored: Instant::from_ticks(0),
             logged: LinkCounters::default(),
         }
+    }
+
+    /// Goes on with the key of an earlier start.
+    pub fn restore(&mut self, at: Instant, key: SigningKey) {
+        self.parser.signing().set(at, key);
+        self.key_stored = at;
+    }
+
+    /// The key with the stamp of now: to be stored.
+    pub fn key_to_store(&mut self, at: Instant) -> Option<SigningKey> {
+        self.key_stored = at;
+        self.parser.signing().key(at)
+    }
+
+    fn is_key_due(&mut self, at: Instant) -> bool {
+        span(self.key_stored, at) >= KEY_LIFE && self.parser.signing().key(at).is_some()
     }
 
     /// The port.
@@ -95,6 +120,8 @@ impl<P: Port> Link<P> {
                         let armed = pilot.lock(|pilot| pilot.telemetry().state.is_armed());
                         let notice = refusal_of_key(self.wired, armed).unwrap_or_else(|| {
                             feed.signing().set(at, key);
+                            pilot.lock(|pilot| pilot.on_store(at, StoreEvent::KeyDue));
+                            board.raise(Task::Idle);
                             KEY_SET
                         });
                         Some(self.sender.notice(&notice))
@@ -186,7 +213,10 @@ pub fn beat<P: Port, R: Recorder, L: ControlLogic>(
 ) -> Option<LinkCounters> {
     let at = board.now();
     let state = pilot.lock(|pilot| pilot.telemetry().state);
-    let counters = link.lock(|link| link.beat(at, state));
+    let (counters, due) = link.lock(|link| (link.beat(at, state), link.is_key_due(at)));
+    if due {
+        pilot.lock(|pilot| pilot.on_store(at, StoreEvent::KeyDue));
+    }
     tell_pilot(at, link, pilot);
     counters
 }

@@ -8,7 +8,7 @@ use reflex_drivers::mpu6050::{
 };
 
 use super::imu::{Configure, Imu};
-use crate::config::IMU_RATE;
+use crate::config::{IMU_MOUNTING, IMU_RATE};
 use crate::math::Vec3;
 use crate::sensors::ImuReading;
 use crate::time::{Duration, micros};
@@ -46,8 +46,8 @@ impl Imu for Sensor {
         let rates = burst.angular_rate(CONFIG.gyro_range).map(|axis| axis.0);
         let force = burst.specific_force(CONFIG.accel_range).map(|axis| axis.0);
         Some(ImuReading {
-            rates: BodyRates(Vec3::from_array(rates)),
-            force: SpecificForce(Vec3::from_array(force)),
+            rates: BodyRates(Vec3::from_array(IMU_MOUNTING.turned(rates))),
+            force: SpecificForce(Vec3::from_array(IMU_MOUNTING.turned(force))),
             temperature: burst.die_temperature().0,
         })
     }

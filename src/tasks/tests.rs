@@ -5,13 +5,17 @@ use super::control::{LONGEST_SLEEP, Motors, failsafe, hyperperiod};
 use super::imu::{Guard, Remedy, Report, received};
 use super::link::{Link, Overrun, Port, receive};
 use super::mpu6050::Sensor;
+use super::store::{keep, restored};
 use super::*;
-use crate::app::{Autopilot, ChipOrder, ChipSetting, Fault, OrderError};
+use crate::app::{Autopilot, ChipOrder, ChipSetting, Fault, OrderError, StoreEvent};
 use crate::config::SETTINGS;
-use crate::graph::Cascade;
+use crate::graph::{CONFIGURED, Cascade};
+use crate::link::{Answer, Message, SigningKey, StoreCommand};
 use crate::safety::{FlightState, MotorOutput};
 use crate::sensors::{Cause, Input};
-use crate::settings::Settings;
+use crate::settings::{Parameter, Settings};
+use crate::store::tests::Nor;
+use crate::store::{Content, Found, Store};
 use crate::time::{at_micros, micros};
 use mavlink::dialects::common::SETUP_SIGNING_DATA;
 use mavlink::{MAVLinkV2MessageRaw, MavHeader};
@@ -345,6 +349,72 @@ fn a_signing_key_is_taken_over_a_cable_only() {
         assert_eq!(link.port().said.len(), if wired { 2 } else { 3 });
         assert_eq!(pilot.faults(Fault::LinkFrame), u32::from(wired));
     }
+}
+
+#[test]
+fn what_was_set_once_holds_at_the_next_start() {
+    let (mut board, mut pilot, mut store) = (Noted::default(), pilot(), Store::new(Nor::erased()));
+    let port = Talk {
+        heard: Vec::new(),
+        said: Vec::new(),
+    };
+    let mut link = Link::new(port, true, 4);
+    let key = SigningKey::new([7; 32], 9).expect("48 bits");
+    link.restore(at_micros(0), key);
+    let mut given = CONFIGURED;
+    given.settings.hard_iron = [0.25, 0.0, -0.5];
+    let mut turn = |pilot: &mut Pilot, store: &mut Store<Nor>| {
+        let (mut pilot, mut link) = (Unshared(pilot), Unshared(&mut link));
+        keep(
+            &mut board,
+            &mut pilot,
+            &mut link,
+            store,
+            &CONFIGURED,
+            |_| given,
+        );
+        store.load()
+    };
+    // Nothing is to be stored: nothing is.
+    assert_eq!(
+        turn(&mut pilot, &mut store),
+        (Found::Empty, Content::default())
+    );
+
+    pilot.on_store(at_micros(1), StoreEvent::KeyDue);
+    let (found, held) = turn(&mut pilot, &mut store);
+    assert_eq!((found, held.key), (Found::Sound, Some(key)));
+    assert!(held.parameters.is_empty());
+
+    let command = |what| Message::Store(what);
+    let (_, answer) = pilot.on_message(at_micros(2), &command(StoreCommand::Save));
+    assert_eq!(answer, Some(Answer::Accepted));
+    let (found, held) = turn(&mut pilot, &mut store);
+    assert_eq!(held.parameters.len(), 2);
+    assert_eq!(
+        restored(&CONFIGURED, &held.parameters, found),
+        (given, Found::Sound)
+    );
+
+    let _ = pilot.on_message(at_micros(3), &command(StoreCommand::Reset));
+    let (_, held) = turn(&mut pilot, &mut store);
+    assert_eq!((held.parameters.len(), held.key), (0, Some(key)));
+}
+
+#[test]
+fn what_this_build_does_not_know_is_of_another_version() {
+    let unknown = Parameter {
+        number: 1,
+        word: [0; 4],
+    };
+    let restored = |parameters: &[Parameter]| restored(&CONFIGURED, parameters, Found::Sound);
+    assert_eq!(restored(&[]), (CONFIGURED, Found::Sound));
+    assert_eq!(restored(&[unknown]), (CONFIGURED, Found::OtherVersion));
+    let mut wrong = CONFIGURED;
+    wrong.settings.p_run = 7.0;
+    let mut held = vec![];
+    wrong.beyond(&CONFIGURED, &mut |parameter| held.push(parameter));
+    assert_eq!(restored(&held), (CONFIGURED, Found::OtherVersion));
 }
 
 #[test]

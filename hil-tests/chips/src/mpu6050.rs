@@ -28,7 +28,7 @@ use sampling::Sampler;
 
 use super::bus::{Chip, I2cChip};
 use super::options::ChipOptions;
-use super::stimulus::StimulusSource;
+use super::stimulus::{StimulusSource, mounted};
 
 /// Bytes from ACCEL_XOUT_H to GYRO_ZOUT_L.
 const SENSOR_BYTES: usize = 14;
@@ -65,6 +65,8 @@ impl Mpu6050 {
 
     /// A chip just powered: asleep, until PWR_MGMT_1 wakes it.
     pub fn new(source: Arc<dyn StimulusSource>, options: ChipOptions) -> Self {
+        let [axes, _] = options.mountings;
+        let source = mounted(source, axes);
         let registers = Registers::at_reset();
         Self {
             setup: Setup::of(&registers),
@@ -125,6 +127,12 @@ impl Mpu6050 {
     pub fn corrupt(&mut self, now_ns: u64, address: u8, value: u8) {
         self.advance(now_ns);
         self.store(address, value);
+    }
+
+    /// From now on its clocks are faster by a share than they were at power-on.
+    pub fn hurry(&mut self, now_ns: u64, share: f64) {
+        self.advance(now_ns);
+        self.sampler.hurry(share);
     }
 
     fn threshold_g(&self) -> f64 {

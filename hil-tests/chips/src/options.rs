@@ -19,9 +19,17 @@ pub struct ChipOptions {
     ///
     /// Dies with 2 mg are reported, so firmware has to calibrate it.
     pub motion_threshold_lsb_mg: f64,
+    /// How the inertial sensor lies in the drone, and the other chip.
+    pub mountings: [Axes; 2],
     /// What the MPU6050's gyroscope shows at rest; nothing by default.
     pub zero_rate: ZeroRate,
 }
+
+/// A chip's x, y and z along the axes of the body that feels the stimulus.
+pub type Axes = [[f64; 3]; 3];
+
+/// Of a chip that lies as the body does.
+pub const AS_THE_BODY: Axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Zero-rate output of a gyroscope: each axis draws its share of the most, from the seed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,6 +51,7 @@ impl Default for ChipOptions {
             oscillator_error: None,
             present: Present::default(),
             motion_threshold_lsb_mg: 32.0,
+            mountings: [AS_THE_BODY; 2],
             zero_rate: ZeroRate::default(),
         }
     }

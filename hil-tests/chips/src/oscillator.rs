@@ -11,6 +11,31 @@ pub fn error(options: &ChipOptions, stream: Stream, tolerance: f64) -> f64 {
         .clamp(-0.5, 0.5)
 }
 
+/// How far an oscillator is off: by its own error, and by what a fault adds.
+#[derive(Clone, Copy, Debug)]
+pub struct Pace {
+    own: f64,
+    faster: f64,
+}
+
+impl Pace {
+    /// A sound one with the error of its specimen.
+    pub fn new(own: f64) -> Self {
+        Self { own, faster: 0.0 }
+    }
+
+    /// It is faster by a share.
+    pub fn hurry(&mut self, share: f64) {
+        self.faster = share;
+    }
+
+    /// Its relative error.
+    pub fn error(self) -> f64 {
+        // To the bit its own where nothing is added.
+        self.own + self.faster * (1.0 + self.own)
+    }
+}
+
 /// Counts the ticks of a clock, each at an exact nanosecond.
 ///
 /// Instants are computed from the origin, not added up, so they do not drift.
@@ -107,6 +132,14 @@ mod tests {
         assert!(errors.iter().all(|error| error.abs() <= 0.02));
         assert!(errors.iter().any(|error| error.abs() > 0.01));
         assert_eq!(draw(9), draw(9));
+    }
+
+    #[test]
+    fn a_hurried_clock_is_faster_than_its_own_error_says() {
+        let mut pace = Pace::new(0.02);
+        assert_eq!(pace.error(), 0.02);
+        pace.hurry(0.1);
+        assert!((pace.error() - 0.122).abs() < 1e-12);
     }
 
     #[test]

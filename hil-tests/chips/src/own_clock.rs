@@ -16,6 +16,10 @@ pub trait OwnClock: SpiChip {
     fn rate_hz(&self) -> Option<f64>;
     /// A supply dip at `now_ns`: every register back to its reset value.
     fn brown_out(&mut self, now_ns: u64);
+    /// A bit of the threshold that its interrupt pin compares with turns over by itself.
+    fn flip_threshold_bit(&mut self, now_ns: u64, bit: u8);
+    /// From now on its clock is faster by a share than it was at power-on.
+    fn hurry(&mut self, now_ns: u64, share: f64);
 }
 
 /// A kind of die with a clock of its own; its model's file declares it.

@@ -1,5 +1,9 @@
 //! The true motion and field a chip is exposed to, as a function of time.
 
+use std::sync::Arc;
+
+use super::options::{AS_THE_BODY, Axes};
+
 /// Standard gravity in m/s2: what the datasheets call 1 g.
 pub const STANDARD_GRAVITY: f64 = 9.806_65;
 
@@ -64,5 +68,59 @@ pub trait StimulusSource: Send + Sync {
 impl<F: Fn(u64) -> Stimulus + Send + Sync> StimulusSource for F {
     fn at(&self, at_ns: u64) -> Stimulus {
         self(at_ns)
+    }
+}
+
+/// What a chip feels that lies so in a body that feels a source.
+pub(crate) fn mounted(source: Arc<dyn StimulusSource>, axes: Axes) -> Arc<dyn StimulusSource> {
+    if axes == AS_THE_BODY {
+        return source;
+    }
+    Arc::new(Mounted { source, axes })
+}
+
+struct Mounted {
+    source: Arc<dyn StimulusSource>,
+    axes: Axes,
+}
+
+impl Mounted {
+    /// A vector along the chip's axes.
+    fn felt(&self, body: [f64; 3]) -> [f64; 3] {
+        (self.axes).map(|axis| {
+            axis.into_iter()
+                .zip(body)
+                .map(|(share, part)| share * part)
+                .sum()
+        })
+    }
+}
+
+impl StimulusSource for Mounted {
+    fn at(&self, at_ns: u64) -> Stimulus {
+        let body = self.source.at(at_ns);
+        Stimulus {
+            gyro: self.felt(body.gyro),
+            specific_force: self.felt(body.specific_force),
+            magnetic_field: self.felt(body.magnetic_field),
+            ..body
+        }
+    }
+
+    fn gyro(&self, at_ns: u64) -> [f64; 3] {
+        self.felt(self.source.gyro(at_ns))
+    }
+
+    fn specific_force(&self, at_ns: u64) -> [f64; 3] {
+        self.felt(self.source.specific_force(at_ns))
+    }
+
+    /// A converter's faults are along the chip's own axes.
+    fn delivered(&self, of: Sensor, at_ns: u64, reading: [f64; 3]) -> [f64; 3] {
+        self.source.delivered(of, at_ns, reading)
+    }
+
+    fn temperature_c(&self, at_ns: u64) -> f64 {
+        self.source.temperature_c(at_ns)
     }
 }

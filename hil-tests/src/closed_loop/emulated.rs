@@ -4,7 +4,7 @@
 //! compute the same command bit by bit; at the end every timer register must have held it.
 
 use std::num::NonZeroU64;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use reflex::app::{Call, Fault, Telemetry};
@@ -14,16 +14,16 @@ use super::Core;
 use super::desired::Desired;
 use super::flying_board::{Applied, Ended, FlyingBoard, TimedRan};
 use super::report::Cpu;
-use crate::faults::{Chip, Effect, Fault as Scripted, Script};
+use crate::faults::{Script, Strikes};
 use crate::ground_station::LinkFrame;
 use crate::logics::Start;
-use crate::native::{flip_bit, nanos};
+use crate::native::nanos;
 use crate::record::motor_timers::{throttle, update_period_ns};
-use crate::record::{Alignment, CountedFrom, Mirror, Observation};
+use crate::record::{Alignment, CountedFrom, Mirror, Observation, run_struck};
 use crate::scoring::MotorDigest;
 use chip_models::{ChipOptions, SharedChips, StimulusSource};
 use emulated_board::emulated::{EmulatedBoard, Sensors};
-use emulated_board::{Board, BusFault, Elf, Options, SensorLine};
+use emulated_board::{Board, Elf, Options, SensorLine};
 
 /// The shortest time between two samples of the MPU6050: 1 ms less its clock's tolerance.
 const SHORTEST_PERIOD_NS: u64 = 950_000 / reflex::config::IMU_RATE as u64 * 1_000;
@@ -34,6 +34,7 @@ const SHORTEST_ANSWER_NS: u64 = 400_000;
 pub(super) struct FlyingEmulatedBoard {
     board: Box<EmulatedBoard>,
     chips: SharedChips,
+    strikes: Strikes,
     observation: Observation,
     /// Makes the firmware's calls again.
     mirror: Mirror,
@@ -63,12 +64,13 @@ impl FlyingEmulatedBoard {
         let instructions_per_second = NonZeroU64::new(u64::from(core.mhz) * 1_000_000);
         let options = Options {
             settings: Some(start.to_bytes()),
-            bus_faults: faults.iter().filter_map(bus_fault).collect(),
+            bus_faults: faults.on_wires(),
             instructions_per_second: instructions_per_second.context("no clock")?,
             ..Options::default()
         };
         Ok(Self {
             chips,
+            strikes: Strikes::of(faults),
             board: Box::new(EmulatedBoard::boot(&elf, sensors, &options)?),
             observation: Observation::new(None),
             mirror: Mirror::new(start),
@@ -96,24 +98,16 @@ impl FlyingEmulatedBoard {
     }
 }
 
-fn bus_fault(fault: &Scripted) -> Option<BusFault> {
-    match fault.effect {
-        Effect::Bus(what) => Some(BusFault {
-            what,
-            from_ns: fault.from_ns,
-            until_ns: fault.until_ns,
-        }),
-        _ => None,
-    }
-}
-
-fn held<C: ?Sized>(chip: &Mutex<C>) -> MutexGuard<'_, C> {
-    chip.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 impl FlyingBoard for FlyingEmulatedBoard {
     fn run_until(&mut self, until_ns: u64) -> Result<()> {
-        self.board.run_until(until_ns, &mut self.observation)?;
+        let (board, chips) = (&mut *self.board, &mut self.chips);
+        run_struck(
+            board,
+            chips,
+            &mut self.strikes,
+            until_ns,
+            &mut self.observation,
+        )?;
         self.mirror()
     }
 
@@ -147,16 +141,6 @@ impl FlyingBoard for FlyingEmulatedBoard {
 
     fn counted(&self, fault: Fault) -> u32 {
         self.mirror.autopilot().faults(fault)
-    }
-
-    fn strike(&mut self, effect: Effect) {
-        let now_ns = self.board.now_ns();
-        match effect {
-            Effect::BrownOut(Chip::Imu) => held(&self.chips.imu).brown_out(now_ns),
-            Effect::BrownOut(Chip::Die(place)) => held(&self.chips.dies[place]).brown_out(now_ns),
-            Effect::FlippedBit(bit) => flip_bit(&mut held(&self.chips.imu), now_ns, bit),
-            _ => {}
-        }
     }
 
     fn update_offset_ns(&self) -> u64 {

@@ -5,7 +5,6 @@ use reflex::app::{Fault, Ran, Telemetry};
 
 use super::desired::Desired;
 use super::report::Cpu;
-use crate::faults::Effect;
 use crate::ground_station::LinkFrame;
 use crate::record::Counted;
 
@@ -53,9 +52,6 @@ pub(super) trait FlyingBoard {
 
     /// How often the firmware counted a fault.
     fn counted(&self, fault: Fault) -> u32;
-
-    /// A chip breaks now, where an effect is that of a chip.
-    fn strike(&mut self, effect: Effect);
 
     /// The longest time that a task kept a bus, ns, where that is known.
     fn longest_transfer_ns(&self) -> Option<u64> {

@@ -8,7 +8,7 @@ use reflex::settings::MotorProtocol;
 
 use super::desired::Desired;
 use super::flying_board::{Applied, Ended, FlyingBoard, TimedRan};
-use crate::faults::{Effect, Script};
+use crate::faults::Script;
 use crate::ground_station::LinkFrame;
 use crate::logics::Start;
 use crate::native::{NativeBoard, RUN_NS, nanos};
@@ -90,10 +90,6 @@ impl FlyingBoard for FlyingNativeBoard {
 
     fn counted(&self, fault: Fault) -> u32 {
         self.board.pilot.faults(fault)
-    }
-
-    fn strike(&mut self, effect: Effect) {
-        self.board.strike(effect);
     }
 
     fn longest_transfer_ns(&self) -> Option<u64> {

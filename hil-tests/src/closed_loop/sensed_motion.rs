@@ -6,8 +6,7 @@
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crate::faults::{BrokenSensors, Script};
-use chip_models::{Sensor, Stimulus, StimulusSource};
+use chip_models::{Stimulus, StimulusSource};
 
 /// Steps that are kept: 0.5 ms or more each, 32 ms. The longest delay of a chip's filter is 19 ms.
 const KEPT: usize = 64;
@@ -16,17 +15,15 @@ const KEPT: usize = 64;
 #[derive(Debug)]
 pub(super) struct SensedMotion {
     newest: Mutex<VecDeque<(u64, Stimulus)>>,
-    broken: BrokenSensors,
 }
 
 impl SensedMotion {
     /// Nothing but a first instant.
-    pub(super) fn new(at_ns: u64, first: Stimulus, faults: &Script) -> Self {
+    pub(super) fn new(at_ns: u64, first: Stimulus) -> Self {
         let mut steps = VecDeque::with_capacity(KEPT + 1);
         steps.push_back((at_ns, first));
         Self {
             newest: Mutex::new(steps),
-            broken: BrokenSensors::of(faults),
         }
     }
 
@@ -83,10 +80,6 @@ impl StimulusSource for SensedMotion {
             between(from.specific_force, to.specific_force, share)
         })
     }
-
-    fn delivered(&self, of: Sensor, at_ns: u64, reading: [f64; 3]) -> [f64; 3] {
-        self.broken.delivered(of, at_ns, reading)
-    }
 }
 
 #[cfg(test)]
@@ -102,7 +95,7 @@ mod tests {
 
     #[test]
     fn between_two_steps_signals_are_straight_and_outside_of_all_they_are_held() {
-        let motion = SensedMotion::new(1000, turning(1.0), &Script::default());
+        let motion = SensedMotion::new(1000, turning(1.0));
         motion.push(2000, turning(3.0));
         for (at_ns, rate) in [(0, 1.0), (1000, 1.0), (1250, 1.5), (2000, 3.0), (9000, 3.0)] {
             assert_eq!(motion.gyro(at_ns), [rate, 0.0, -rate], "{at_ns}");
@@ -112,7 +105,7 @@ mod tests {
 
     #[test]
     fn only_the_newest_steps_are_kept() {
-        let motion = SensedMotion::new(0, turning(0.0), &Script::default());
+        let motion = SensedMotion::new(0, turning(0.0));
         for step in 1..=1000u32 {
             motion.push(u64::from(step) * 500, turning(f64::from(step)));
         }

@@ -1,5 +1,7 @@
 //! A flight under way: world and autopilot in lockstep, looked at every 10 ms.
 
+use reflex::config::{CHIP_MOUNTING, IMU_MOUNTING};
+use reflex::settings::Mounting;
 use std::sync::Arc;
 
 use anyhow::Result;
@@ -18,10 +20,10 @@ use super::station::{Station, TAKE_OFF_NS};
 use super::track::{KEPT_NS, Moment};
 use super::world::{LONGEST_STEP_NS, World};
 use super::{FlyOptions, Flyer, Scene};
-use crate::faults::Fault;
+use crate::faults::broken;
 use crate::logics::Start;
 use crate::record::motor_timers::update_period_ns;
-use chip_models::{ChipOptions, StimulusSource};
+use chip_models::ChipOptions;
 
 /// Time between two looks of mission, ground station and measures, ns.
 const LOOK_NS: u64 = 10_000_000;
@@ -62,13 +64,8 @@ impl<'o> SimulatedFlight<'o> {
         let seed = u64::from(options.settings.seed);
         let mut vehicle = scene.vehicle.clone();
         vehicle.inertia_kg_m2 = vehicle.inertia_kg_m2.map(|axis| axis / options.stress.gain);
-        let world = World::new(
-            (&vehicle, &scene.airframe),
-            &scene.environment,
-            seed,
-            &options.faults,
-        )?;
-        let source: Arc<dyn StimulusSource> = Arc::clone(&world.sensed) as _;
+        let world = World::new((&vehicle, &scene.airframe), &scene.environment, seed)?;
+        let source = broken(Arc::clone(&world.sensed) as _, &options.faults);
         let start = Start {
             settings: options.settings,
             airframe: scene.airframe.geometry(),
@@ -78,6 +75,7 @@ impl<'o> SimulatedFlight<'o> {
             seed,
             noise: true,
             zero_rate: options.stress.zero_rate,
+            mountings: [IMU_MOUNTING, CHIP_MOUNTING].map(Mounting::axes),
             ..ChipOptions::default()
         };
         let board: Box<dyn FlyingBoard> = match flyer {
@@ -125,7 +123,9 @@ impl<'o> SimulatedFlight<'o> {
 
     pub(super) fn step(&mut self) -> Result<()> {
         let next_ns = self.next_ns();
-        self.break_things(next_ns);
+        if !self.options.faults.is_empty() {
+            self.world.wear(&self.options.faults);
+        }
         self.world.advance_to(next_ns)?;
         self.board.run_until(next_ns)?;
         let passes = |mark_ns: u64| next_ns / mark_ns > self.now_ns / mark_ns;
@@ -153,19 +153,6 @@ impl<'o> SimulatedFlight<'o> {
             self.look(keeps && next_ns >= TAKE_OFF_NS);
         }
         Ok(())
-    }
-
-    /// What the script says of the step to an instant.
-    fn break_things(&mut self, next_ns: u64) {
-        let faults = &self.options.faults;
-        if faults.is_empty() {
-            return;
-        }
-        self.world.wear(faults);
-        let begins = |fault: &&Fault| (self.now_ns..next_ns).contains(&fault.from_ns);
-        for fault in faults.iter().filter(begins) {
-            self.board.strike(fault.effect);
-        }
     }
 
     /// Where the next step ends: at an update event of the motors' timers, and before any command

@@ -15,13 +15,10 @@ use mavlink::dialects::common::{
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use reflex_config::plant::Tracking;
 
-use rand_distr::{Distribution, StandardUniform};
-use random_streams::{Generator, generator};
-
 use super::mission::Target;
 use super::outer_loop::{Demand, OuterLoop};
 use super::tracker::{Seen, Tracker};
-use crate::faults::{Effect, Fault, Said, Script};
+use crate::faults::{BrokenLink, Script};
 use crate::ground_station::{
     ARM_LEADS_NS, DRONE, HEARTBEAT_PERIOD_NS, LinkFrame, MILLISECOND_NS, arm, frame, heartbeat,
     odometry,
@@ -33,8 +30,6 @@ pub(super) const TAKE_OFF_NS: u64 = 1_500_000_000;
 
 /// How often a station is asked in flight.
 const LOOKS_PER_SECOND: usize = 100;
-/// Keeps garbage apart from other chance of the same seed.
-const STREAM: u64 = 0x4C49_4E4B;
 
 const FIRST_PLACE_NS: u64 = TAKE_OFF_NS - 500 * MILLISECOND_NS;
 
@@ -46,8 +41,7 @@ pub(super) struct Station {
     heartbeats: u64,
     arms: usize,
     sequence: u8,
-    faults: Script,
-    garbage: Generator,
+    link: BrokenLink,
 }
 
 impl Station {
@@ -59,17 +53,13 @@ impl Station {
             heartbeats: 0,
             arms: 0,
             sequence: 0,
-            faults: Script::default(),
-            garbage: generator(0, STREAM),
+            link: BrokenLink::of(&Script::default()),
         }
     }
 
     /// The same one, whose link suffers from the faults of a script.
     pub(super) fn under(mut self, faults: &Script) -> Self {
-        let noisy = |fault: &&Fault| matches!(fault.effect, Effect::Said(Said::Garbage(_)));
-        let seed = faults.iter().find(noisy).map_or(0, |fault| fault.seed);
-        self.garbage = generator(seed.into(), STREAM);
-        self.faults = faults.clone();
+        self.link = BrokenLink::of(faults);
         self
     }
 
@@ -107,52 +97,16 @@ impl Station {
         }
         let mut frames: Vec<_> = (messages.into_iter())
             .flat_map(|message| {
-                let times = self.times(at_ns, &message);
+                let times = self.link.times(at_ns, &message);
                 std::iter::repeat_n(message, times)
             })
             .collect::<Vec<_>>()
             .into_iter()
             .map(|message| self.frame(at_ns, &message))
             .collect();
-        frames.extend(self.noise(at_ns));
+        let noise = self.link.noise(at_ns, LOOKS_PER_SECOND);
+        frames.extend(noise.map(|bytes| LinkFrame { at_ns, bytes }));
         frames
-    }
-
-    /// How often a message is sent: once, unless the link has a fault.
-    fn times(&self, at_ns: u64, message: &MavMessage) -> usize {
-        let is_place = matches!(message, MavMessage::ODOMETRY(_));
-        let is_demand = matches!(
-            message,
-            MavMessage::SET_ATTITUDE_TARGET(_) | MavMessage::SET_POSITION_TARGET_LOCAL_NED(_)
-        );
-        self.said(at_ns).fold(1, |times, said| match said {
-            Said::Silent => 0,
-            Said::NoSetpoints if is_demand => 0,
-            Said::NoPlaces if is_place => 0,
-            Said::Storm(count) if is_demand => times * count as usize,
-            _ => times,
-        })
-    }
-
-    /// Random bytes, where they come.
-    fn noise(&mut self, at_ns: u64) -> Option<LinkFrame> {
-        let rate = self.said(at_ns).find_map(|said| match said {
-            Said::Garbage(rate) => Some(rate),
-            _ => None,
-        });
-        let count = rate? as usize / LOOKS_PER_SECOND;
-        let even = StandardUniform;
-        let bytes = (0..count).map(|_| even.sample(&mut self.garbage)).collect();
-        Some(LinkFrame { at_ns, bytes })
-    }
-
-    fn said(&self, at_ns: u64) -> impl Iterator<Item = Said> {
-        self.faults
-            .now(at_ns)
-            .filter_map(|fault| match fault.effect {
-                Effect::Said(said) => Some(said),
-                _ => None,
-            })
     }
 
     fn demand(&mut self, at_ns: u64, seen: &Seen, target: &Target) -> Option<MavMessage> {

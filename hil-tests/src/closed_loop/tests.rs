@@ -1,5 +1,7 @@
 //! Whole flights in closed loop: they stay up, they repeat, and both tiers hold.
 
+pub(crate) mod alarms;
+
 use super::*;
 use crate::firmware::Firmware;
 use crate::logics::{GainSet, LogicName};

@@ -51,12 +51,11 @@ impl World {
         (vehicle, airframe): (&Vehicle, &Airframe),
         environment: &Environment,
         seed: u64,
-        faults: &Script,
     ) -> Result<Self> {
         let vehicle = vehicle_of(vehicle, airframe);
         let weather = weather_of(environment, seed);
         let drone = Drone::new(&vehicle, Start::default(), &weather)?;
-        let sensed = Arc::new(SensedMotion::new(0, stimulus(&drone), faults));
+        let sensed = Arc::new(SensedMotion::new(0, stimulus(&drone)));
         Ok(Self {
             wind: dynamics::Wind::new(&weather, seed)?,
             air: Vector3::zeros(),
@@ -265,13 +264,7 @@ mod tests {
         let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("../config");
         let (vehicle, airframe) = Vehicle::load(&config, "quad_x").unwrap();
         let environment = Environment::load(&config, environment).unwrap();
-        World::new(
-            (&vehicle, &airframe),
-            &environment,
-            seed,
-            &Script::default(),
-        )
-        .unwrap()
+        World::new((&vehicle, &airframe), &environment, seed).unwrap()
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! `cargo hil magnetometer`: the iron of a board, for its file.
 
+use std::fs;
 use std::path::PathBuf;
 
 use anyhow::Result;
@@ -12,7 +13,7 @@ use recorded_flights::{Flight, Rotate};
 /// Which log shows it.
 #[derive(Clone, Debug, Args)]
 pub(super) struct MagnetometerArguments {
-    /// Log of the board being turned, ULog or CSV, its field without any calibration
+    /// Log of the board being turned: the firmware's own, ULog or CSV, its field without any calibration
     log: PathBuf,
 
     /// How the log's axes lie in the body's: none, or such as roll180yaw90
@@ -22,9 +23,16 @@ pub(super) struct MagnetometerArguments {
 
 /// Prints the lines of a board's file.
 pub(super) fn run(arguments: &MagnetometerArguments) -> Result<()> {
-    let flight = Flight::read(&arguments.log, arguments.rotate)?;
     let refuse = |line: &str| Refusal::new(format!("{}: {line}", arguments.log.display()));
-    let fields = flight.mag.ok_or_else(|| refuse("has no magnetometer"))?;
-    let iron = magnetometer::find(fields.values()).map_err(|line| refuse(&line.to_string()))?;
+    let logged =
+        fs::read(&arguments.log).map_or_else(|_| Vec::new(), |bytes| magnetometer::logged(&bytes));
+    let iron = if logged.is_empty() {
+        let flight = Flight::read(&arguments.log, arguments.rotate)?;
+        let fields = flight.mag.ok_or_else(|| refuse("has no magnetometer"))?;
+        magnetometer::find(fields.values())
+    } else {
+        magnetometer::find(&logged)
+    };
+    let iron = iron.map_err(|line| refuse(&line.to_string()))?;
     super::print(&iron.to_string())
 }

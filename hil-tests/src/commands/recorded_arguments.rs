@@ -72,7 +72,7 @@ impl RecordedArguments {
             duration_s: self.duration,
             rotate: self.rotate,
             noise: self.noise == NoiseName::Datasheet,
-            defmt: None,
+            ..ReplayOptions::default()
         })
     }
 

@@ -19,6 +19,9 @@ pub(super) struct ReplayArguments {
     /// Fly the same control logic on this computer, without firmware and emulator: 100 times as fast
     #[arg(long)]
     pub(super) native: bool,
+    /// Break things on the way, as a script says: TOML, see docs/simulation.md
+    #[arg(long, value_name = "FILE", conflicts_with = "sweep")]
+    faults: Option<PathBuf>,
     #[command(flatten)]
     pub(super) sweep: SweepArguments,
     /// Write the firmware's decoded log to this file
@@ -58,6 +61,7 @@ impl ReplayArguments {
         }
         Ok(ReplayOptions {
             defmt: self.defmt.clone(),
+            faults: self.faults.clone(),
             ..options
         })
     }

@@ -48,8 +48,12 @@ pub enum Effect {
     Said(Said),
     /// A chip's supply dips: its registers are those of a start.
     BrownOut(Chip),
-    /// A bit of the MPU6050's GYRO_CONFIG turns over.
-    FlippedBit(u8),
+    /// A bit turns over: of the MPU6050's GYRO_CONFIG, of a die's threshold.
+    FlippedBit(Chip, u8),
+    /// A chip's clock is faster by a share.
+    Rate(Chip, f64),
+    /// No fit of a model succeeds.
+    Unfit,
     /// The inertial sensor's bus, or an interrupt line.
     Bus(Disturbance),
 }
@@ -119,7 +123,7 @@ const MOTORS: &[&str] = &[
 const BATTERY: &[&str] = &["battery"];
 const LINK: &[&str] = &["link"];
 const CHIPS: &[&str] = &["imu", "accelerometer", "magnetometer"];
-const IMU: &[&str] = &["imu"];
+const MODELS: &[&str] = &["models"];
 const BUS: &[&str] = &["imu_bus"];
 const LINES: &[&str] = &["imu_line", "accelerometer_line", "magnetometer_line"];
 
@@ -275,10 +279,24 @@ pub const KINDS: &[Kind] = &[
     ),
     kind(
         "flipped_bit",
-        IMU,
+        CHIPS,
         size("", [0.0, 7.0], 0.0),
-        "this bit of GYRO_CONFIG turns over, once",
-        |_, size| Some(Effect::FlippedBit(size as u8)),
+        "this bit of the gyroscope's range, or of the threshold, turns over, once",
+        |place, size| Some(Effect::FlippedBit(chip(place)?, size as u8)),
+    ),
+    kind(
+        "rate",
+        CHIPS,
+        size("%", [-20.0, 20.0], 0.0),
+        "the chip's clock is faster by this",
+        |place, size| Some(Effect::Rate(chip(place)?, size * 1e-2)),
+    ),
+    kind(
+        "unfit",
+        MODELS,
+        None,
+        "no fit succeeds: native only",
+        |_, _| Some(Effect::Unfit),
     ),
     kind(
         "no_acknowledge",
@@ -364,6 +382,18 @@ pub const KINDS: &[Kind] = &[
         },
     ),
     kind(
+        "deaf",
+        LINES,
+        size("%", [0.0, 100.0], 0.0),
+        "edges are lost, or come late, in this share of milliseconds",
+        |place, size| {
+            bus(Disturbance::LineDeaf {
+                line: line(place)?,
+                percent: size as u32,
+            })
+        },
+    ),
+    kind(
         "storm",
         LINES,
         size("Hz", [1.0, 50_000.0], 1.0),
@@ -382,6 +412,21 @@ impl Effect {
     #[must_use]
     pub fn needs_emulator(self) -> bool {
         matches!(self, Self::Bus(what) if what != Disturbance::NoAcknowledge)
+    }
+
+    /// Only the native tier can: firmware fits its models by itself.
+    #[must_use]
+    pub fn needs_native(self) -> bool {
+        self == Self::Unfit
+    }
+
+    /// It acts on the body of a drone.
+    #[must_use]
+    pub fn needs_drone(self) -> bool {
+        matches!(
+            self,
+            Self::Motor(..) | Self::Charge(_) | Self::Resistance(_)
+        )
     }
 }
 

@@ -90,7 +90,7 @@ mod tests {
     const LIMITS: Limits = Limits {
         take_off_ns: 1_500_000_000,
         duration_s: 15.0,
-        motors: 4,
+        motors: Some(4),
         is_native: false,
     };
 

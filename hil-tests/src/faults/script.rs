@@ -14,6 +14,7 @@
 use std::fmt;
 use std::path::Path;
 
+use emulated_board::BusFault;
 use reflex_config::{ConfigError, Document};
 use serde::{Deserialize, Serialize};
 
@@ -60,12 +61,12 @@ pub struct Script(Vec<Fault>);
 /// The flight that a script is for.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Instant of take-off, ns from the start.
+    /// Instant of take-off, or of a recorded flight's beginning, ns from the start.
     pub take_off_ns: u64,
-    /// From take-off to the end, s.
+    /// From there to the end, s.
     pub duration_s: f64,
-    /// Motors of the drone.
-    pub motors: usize,
+    /// Motors of the drone; none where a recorded flight is replayed.
+    pub motors: Option<usize>,
     /// Natively there are no wires.
     pub is_native: bool,
 }
@@ -116,6 +117,20 @@ impl Script {
         toml::to_string(&File { fault })
     }
 
+    /// What happens to the wires of the emulated board.
+    #[must_use]
+    pub fn on_wires(&self) -> Vec<BusFault> {
+        let on_wire = |fault: &Fault| match fault.effect {
+            Effect::Bus(what) => Some(BusFault {
+                what,
+                from_ns: fault.from_ns,
+                until_ns: fault.until_ns,
+            }),
+            _ => None,
+        };
+        self.iter().filter_map(on_wire).collect()
+    }
+
     /// No fault at all.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -142,15 +157,21 @@ impl Script {
 impl Limits {
     /// Which key asks for what no such flight can play, and why.
     pub(super) fn refusal(&self, effect: Effect) -> Option<Refused> {
-        match effect {
-            Effect::Motor(motor, _) if motor >= self.motors => Some((
-                "where",
-                format!("is none of this drone's {} motors", self.motors),
-            )),
-            effect if self.is_native && effect.needs_emulator() => Some((
+        let told = |key, why: &str| Some((key, why.to_owned()));
+        match (effect, self.motors) {
+            (effect, None) if effect.needs_drone() => told(
                 "what",
-                "needs the emulated board: leave out --native".to_owned(),
-            )),
+                "has no place in a replay: no drone answers, fly instead",
+            ),
+            (Effect::Motor(motor, _), Some(motors)) if motor >= motors => {
+                Some(("where", format!("is none of this drone's {motors} motors")))
+            }
+            (effect, _) if self.is_native && effect.needs_emulator() => {
+                told("what", "needs the emulated board: leave out --native")
+            }
+            (effect, _) if !self.is_native && effect.needs_native() => {
+                told("what", "is for the native tier: add --native")
+            }
             _ => None,
         }
     }
@@ -287,7 +308,7 @@ mod tests {
     const LIMITS: Limits = Limits {
         take_off_ns: 1_500_000_000,
         duration_s: 30.0,
-        motors: 4,
+        motors: Some(4),
         is_native: true,
     };
 

@@ -1,8 +1,8 @@
 //! What a broken sensor makes of its readings.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use chip_models::Sensor;
+use chip_models::{Sensor, Stimulus, StimulusSource};
 use rand_distr::{Distribution, Uniform};
 use random_streams::{Generator, generator};
 
@@ -15,9 +15,21 @@ const STREAM: u64 = 0x4741_5242;
 /// Beyond the range of every converter, which clips it.
 const BEYOND: f64 = 1e6;
 
-/// All broken sensors of a flight.
-#[derive(Debug)]
-pub struct BrokenSensors(Vec<Broken>);
+/// What chips feel, and their converters deliver, under a script.
+#[must_use]
+pub fn broken(source: Arc<dyn StimulusSource>, script: &Script) -> Arc<dyn StimulusSource> {
+    let broken: Vec<Broken> = script.iter().filter_map(Broken::of).collect();
+    match broken.as_slice() {
+        [] => source,
+        _ => Arc::new(BrokenSensors { source, broken }),
+    }
+}
+
+/// All broken sensors of a flight, which feel what sound ones do.
+struct BrokenSensors {
+    source: Arc<dyn StimulusSource>,
+    broken: Vec<Broken>,
+}
 
 #[derive(Debug)]
 struct Broken {
@@ -34,29 +46,26 @@ struct Memory {
     chance: Generator,
 }
 
-impl BrokenSensors {
-    /// Those of a script.
-    #[must_use]
-    pub fn of(script: &Script) -> Self {
-        let broken = script.iter().filter_map(|fault| match fault.effect {
-            Effect::Signal(elements, how) => Some(Broken {
-                elements,
-                how,
-                fault: *fault,
-                memory: Mutex::new(Memory {
-                    held: None,
-                    chance: generator(fault.seed.into(), STREAM),
-                }),
-            }),
-            _ => None,
-        });
-        Self(broken.collect())
+impl StimulusSource for BrokenSensors {
+    fn at(&self, at_ns: u64) -> Stimulus {
+        self.source.at(at_ns)
     }
 
-    /// What a sensor delivers instead of its reading.
-    #[must_use]
-    pub fn delivered(&self, of: Sensor, at_ns: u64, reading: [f64; 3]) -> [f64; 3] {
-        let broken = self.0.iter().filter(|broken| broken.elements.of == of);
+    fn gyro(&self, at_ns: u64) -> [f64; 3] {
+        self.source.gyro(at_ns)
+    }
+
+    fn specific_force(&self, at_ns: u64) -> [f64; 3] {
+        self.source.specific_force(at_ns)
+    }
+
+    fn temperature_c(&self, at_ns: u64) -> f64 {
+        self.source.temperature_c(at_ns)
+    }
+
+    fn delivered(&self, of: Sensor, at_ns: u64, reading: [f64; 3]) -> [f64; 3] {
+        let reading = self.source.delivered(of, at_ns, reading);
+        let broken = self.broken.iter().filter(|broken| broken.elements.of == of);
         broken
             .filter(|broken| broken.fault.holds(at_ns))
             .fold(reading, |reading, broken| broken.distorted(at_ns, reading))
@@ -64,6 +73,21 @@ impl BrokenSensors {
 }
 
 impl Broken {
+    fn of(fault: &Fault) -> Option<Self> {
+        let Effect::Signal(elements, how) = fault.effect else {
+            return None;
+        };
+        Some(Self {
+            elements,
+            how,
+            fault: *fault,
+            memory: Mutex::new(Memory {
+                held: None,
+                chance: generator(fault.seed.into(), STREAM),
+            }),
+        })
+    }
+
     fn distorted(&self, at_ns: u64, reading: [f64; 3]) -> [f64; 3] {
         let mut memory = self.memory.lock().unwrap_or_else(PoisonError::into_inner);
         let held = *memory.held.get_or_insert(reading);

@@ -61,7 +61,7 @@ fn check_faults(file: &Path, input: &[u8]) -> bool {
             let limits = Limits {
                 take_off_ns: 1_500_000_000,
                 duration_s: 45.0,
-                motors: 4,
+                motors: Some(4),
                 is_native: false,
             };
             let script = Script::read(file, &limits);

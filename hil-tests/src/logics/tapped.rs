@@ -128,6 +128,10 @@ impl ControlLogic for Tapped {
         self.logic.mixer()
     }
 
+    fn lose_motor(&mut self, motor: u8) {
+        self.logic.lose_motor(motor);
+    }
+
     fn mixed(&self) -> &Mixed {
         self.logic.mixed()
     }

@@ -29,24 +29,15 @@ use super::timing::{
 };
 use super::vectors::{Outputs, Vectors};
 use super::wires::{BusTime, DieWire, I2cBus, Spi, Wire};
-use crate::faults::{Chip, Effect, Script};
+use crate::faults::{Effect, Fault, Script, Strikes, Struck};
 use crate::ground_station::LinkFrame;
 use crate::logics::{AnyLogic, Start};
 use crate::record::{ChipState, OfChips};
-use chip_models::{ChipOptions, DIES, Mpu6050, StimulusSource};
+use chip_models::{ChipOptions, DIES, Mpu6050, OwnClock, StimulusSource};
 use emulated_board::Disturbance;
 
 /// The one fault of a bus that is played here.
 const SILENCE: Effect = Effect::Bus(Disturbance::NoAcknowledge);
-/// The MPU6050's register of the gyroscope's range.
-const GYRO_CONFIG: u8 = 0x1B;
-
-/// A bit of the gyroscope's range turns over by itself.
-pub(crate) fn flip_bit(imu: &mut Mpu6050, now_ns: u64, bit: u8) {
-    let value = imu.register(GYRO_CONFIG) ^ (1 << (bit & 7));
-    imu.corrupt(now_ns, GYRO_CONFIG, value);
-}
-
 /// Every call with its stamp.
 #[derive(Debug, Default)]
 pub(crate) struct Calls(pub(crate) Vec<Stamped>);
@@ -93,6 +84,10 @@ pub(crate) struct NativeBoard {
     pub(super) link: Link<SerialLine>,
 
     pub(super) refit: Option<Refit>,
+
+    strikes: Strikes,
+    /// While one of them holds no fit succeeds.
+    unfit: Vec<Fault>,
 }
 
 impl NativeBoard {
@@ -134,6 +129,8 @@ impl NativeBoard {
             raised_again: false,
             link: Link::new(SerialLine::new(frames), LINK_WIRED, start.airframe.count()),
             refit: None,
+            strikes: Strikes::default(),
+            unfit: Vec::new(),
         };
         board.start_up();
         board
@@ -158,8 +155,18 @@ impl NativeBoard {
         self.receive_next_frame();
     }
 
-    /// Runs to an instant.
+    /// Runs to an instant; chips break on the way when a script says so.
     pub(crate) fn run_until(&mut self, until_ns: u64) {
+        while let Some(strike) = self.strikes.before(until_ns) {
+            self.run_on(strike.at_ns);
+            strike.strike(self.now_ns, self);
+            self.watch_imu();
+            self.watch_chips();
+        }
+        self.run_on(until_ns);
+    }
+
+    fn run_on(&mut self, until_ns: u64) {
         while let Some((at_ns, event)) = self.agenda.take(until_ns) {
             // What a bus did ahead of time is noted at its own instant, never before now.
             self.now_ns = self.now_ns.max(at_ns);
@@ -211,28 +218,22 @@ impl NativeBoard {
         std::mem::take(&mut self.pilot.recorder().0)
     }
 
-    /// The inertial sensor answers nothing while a script says so.
+    /// Chips, the inertial sensor's bus and fits break when a script says so.
     pub(crate) fn disturb(&mut self, faults: &Script) {
-        let silences = faults.iter().filter(|fault| fault.effect == SILENCE);
-        self.imu_bus.silences = silences.copied().collect();
+        let with = |effect: Effect| {
+            faults
+                .iter()
+                .copied()
+                .filter(move |fault| fault.effect == effect)
+        };
+        self.strikes = Strikes::of(faults);
+        self.imu_bus.silences = with(SILENCE).collect();
+        self.unfit = with(Effect::Unfit).collect();
     }
 
-    /// A chip breaks now, where an effect is that of a chip.
-    pub(crate) fn strike(&mut self, effect: Effect) {
-        let now_ns = self.now_ns;
-        match effect {
-            Effect::BrownOut(Chip::Imu) => self.imu.with(|wired| wired.chip.brown_out(now_ns)),
-            Effect::BrownOut(Chip::Die(place)) => {
-                self.dies[place].with(|wired| wired.chip.brown_out(now_ns));
-            }
-            Effect::FlippedBit(bit) => {
-                self.imu
-                    .with(|wired| flip_bit(&mut wired.chip, now_ns, bit));
-            }
-            _ => return,
-        }
-        self.watch_imu();
-        self.watch_chips();
+    /// No fit succeeds now.
+    pub(super) fn is_unfit(&self) -> bool {
+        self.unfit.iter().any(|fault| fault.holds(self.now_ns))
     }
 
     /// Sends a frame, behind those that were given before.
@@ -256,5 +257,15 @@ impl NativeBoard {
     pub(super) fn watch_chips(&mut self) {
         let next_ns = self.dies.iter().map(Wire::next_ns).fold(u64::MAX, u64::min);
         self.agenda.set(Event::DieInterrupt, next_ns);
+    }
+}
+
+impl Struck for NativeBoard {
+    fn imu(&mut self, work: &mut dyn FnMut(&mut Mpu6050)) {
+        self.imu.with(|wired| work(&mut wired.chip));
+    }
+
+    fn die(&mut self, place: usize, work: &mut dyn FnMut(&mut dyn OwnClock)) {
+        self.dies[place].with(|wired| work(wired.chip.as_mut()));
     }
 }

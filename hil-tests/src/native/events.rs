@@ -4,6 +4,7 @@
 
 use embedded_hal::i2c::I2c;
 use reflex::app::Fault;
+use reflex::reactive::Fit;
 use reflex::sensors::Input;
 use reflex::tasks::chips::{self, Work};
 use reflex::tasks::imu::{self, Configure, Report};
@@ -170,7 +171,11 @@ impl NativeBoard {
         if self.refit.is_none()
             && let Some(job) = self.pilot.refit_due(self.vectors.now)
         {
-            self.refit = Some(job.fit());
+            let mut refit = job.fit();
+            if self.is_unfit() {
+                refit.fit = Fit::Unfit;
+            }
+            self.refit = Some(refit);
             self.agenda.set(Event::Refit, self.now_ns + REFIT_NS);
         }
         if let Some(sounding) = self.pilot.sounding_due(self.vectors.now) {

@@ -22,7 +22,7 @@ use reflex::settings::MotorProtocol;
 
 use super::native::without_leading;
 use super::options::ReplayOptions;
-use super::setup::open_flight;
+use super::setup::{open_flight, script};
 use super::timeline::Timeline;
 use crate::firmware::Firmware;
 use crate::progress::Progress;
@@ -70,6 +70,8 @@ fn whole(options: &ReplayOptions, counts: bool, progress: &mut dyn Progress) -> 
         .as_deref()
         .map(DecodedLog::create)
         .transpose()?;
+    // A script that is refused is so before anything is built.
+    script(&flight, options, false)?;
     let firmware = Firmware::build(options.gains.logic(), progress)?;
     let watches = WAY.map(Watched::from).to_vec();
     let mut session = Session::new(&flight, options, &firmware, watches)?;

@@ -12,6 +12,7 @@ use mavlink::dialects::common::{
 };
 use recorded_flights::{Flight, SetpointSource, SetpointSources, Setpoints, Sightings, Standstill};
 
+use crate::faults::{BrokenLink, Script};
 use crate::ground_station::{
     ARM_LEADS_NS, DRONE, HEARTBEAT_PERIOD_NS, LinkFrame, MILLISECOND_NS, arm, frame, heartbeat,
     odometry,
@@ -20,6 +21,7 @@ use crate::ground_station::{
 const SETPOINT_PERIOD_NS: u64 = 20 * MILLISECOND_NS;
 const SETPOINT_LEAD_NS: u64 = 300 * MILLISECOND_NS;
 const ODOMETRY_PERIOD_NS: u64 = 100 * MILLISECOND_NS;
+const NOISE_PERIOD_NS: u64 = 10 * MILLISECOND_NS;
 
 /// All frames of a replay, in order of time, to the end of the flight.
 #[must_use]
@@ -27,6 +29,7 @@ pub(super) fn schedule(
     flight: &Flight,
     setpoints: &Setpoints,
     standstill: Standstill,
+    faults: &Script,
 ) -> Vec<LinkFrame> {
     let start = standstill.length_ns();
     let end = start + u64::try_from(flight.duration_ns).unwrap_or_default();
@@ -49,14 +52,27 @@ pub(super) fn schedule(
         }));
     }
     messages.sort_by_key(|&(at, _)| at);
-    messages
-        .into_iter()
+    let mut link = BrokenLink::of(faults);
+    let sent = messages.into_iter().flat_map(|(at, message)| {
+        let times = link.times(at, &message);
+        std::iter::repeat_n((at, message), times)
+    });
+    let mut frames: Vec<LinkFrame> = sent
         .zip((0..=u8::MAX).cycle())
         .map(|((at_ns, message), sequence)| LinkFrame {
             at_ns,
             bytes: frame(&message, sequence),
         })
-        .collect()
+        .collect();
+    if !faults.is_empty() {
+        let noise = every(0, end, NOISE_PERIOD_NS).filter_map(|at_ns| {
+            let bytes = link.noise(at_ns, (1_000_000_000 / NOISE_PERIOD_NS) as usize)?;
+            Some(LinkFrame { at_ns, bytes })
+        });
+        frames.extend(noise);
+        frames.sort_by_key(|frame| frame.at_ns);
+    }
+    frames
 }
 
 /// Instants from a first to an end, the end included.
@@ -132,7 +148,12 @@ mod tests {
     const START_NS: u64 = 1_500_000_000;
 
     fn frames(flight: &Flight) -> Vec<LinkFrame> {
-        schedule(flight, &Setpoints::of(flight), Standstill::default())
+        schedule(
+            flight,
+            &Setpoints::of(flight),
+            Standstill::default(),
+            &Script::default(),
+        )
     }
 
     /// A frame's sender, sequence number and message, checksum checked.

@@ -18,14 +18,14 @@ use reflex::settings::Policy;
 use super::link_frames::schedule;
 use super::options::ReplayOptions;
 use super::refusals;
-use super::setup::{chip_options, length_ns, open_flight};
+use super::setup::{chip_options, length_ns, open_flight, script};
 use super::timeline::Timeline;
+use crate::faults::broken;
 use crate::native::{NativeBoard, clock};
 use crate::progress::Progress;
 use crate::record::Look;
 use crate::refusal::Refusal;
 use crate::scoring::{Report, Score, WithoutLeading};
-use chip_models::StimulusSource;
 use recorded_flights::{Flight, FlightStimulus, Setpoints, Standstill};
 
 /// Virtual time between two looks at the chips' sample counters.
@@ -37,7 +37,7 @@ const STEP_NS: u64 = 20_000_000;
 /// A flight that cannot be replayed with these options.
 pub fn fly(flight: &Flight, options: &ReplayOptions) -> Result<Vec<Stamped>> {
     refusals::check_flight(options, flight, &flight.name)?;
-    let (mut board, end_ns) = boot(flight, &Setpoints::of(flight), options);
+    let (mut board, end_ns) = boot(flight, &Setpoints::of(flight), options)?;
     board.run_until(end_ns);
     Ok(board.take_calls())
 }
@@ -81,7 +81,7 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
     let (flight, path) = open_flight(options)?;
     progress.stage(&format!("Replaying {} natively", path.display()));
     let setpoints = Setpoints::of(&flight);
-    let (mut board, end_ns) = boot(&flight, &setpoints, options);
+    let (mut board, end_ns) = boot(&flight, &setpoints, options)?;
     let looks = watch(&mut board, end_ns, progress);
     let calls = board.take_calls();
 
@@ -95,15 +95,24 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
 }
 
 /// A board that stands at the beginning, and when the flight ends.
-fn boot(flight: &Flight, setpoints: &Setpoints, options: &ReplayOptions) -> (NativeBoard, u64) {
+///
+/// # Errors
+/// Those of its script of faults.
+fn boot(
+    flight: &Flight,
+    setpoints: &Setpoints,
+    options: &ReplayOptions,
+) -> Result<(NativeBoard, u64)> {
     let at_rest = Standstill::default();
-    let source: Arc<dyn StimulusSource> = Arc::new(FlightStimulus::new(flight, at_rest));
+    let faults = script(flight, options, true)?;
+    let source = broken(Arc::new(FlightStimulus::new(flight, at_rest)), &faults);
     let end_ns = at_rest.length_ns() + length_ns(flight, options);
-    let mut frames = schedule(flight, setpoints, at_rest);
+    let mut frames = schedule(flight, setpoints, at_rest, &faults);
     frames.retain(|frame| frame.at_ns < end_ns);
     let chip_options = chip_options(flight, options);
-    let board = NativeBoard::boot(&options.start(), &source, chip_options, frames);
-    (board, end_ns)
+    let mut board = NativeBoard::boot(&options.start(), &source, chip_options, frames);
+    board.disturb(&faults);
+    Ok((board, end_ns))
 }
 
 /// Runs to the end and looks at the chips on the way.

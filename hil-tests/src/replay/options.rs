@@ -24,6 +24,8 @@ pub struct ReplayOptions {
     pub noise: bool,
     /// Where the firmware's decoded log is written.
     pub defmt: Option<PathBuf>,
+    /// The script of what breaks.
+    pub faults: Option<PathBuf>,
 }
 
 impl ReplayOptions {
@@ -44,6 +46,7 @@ impl Default for ReplayOptions {
             rotate: Rotate::Auto,
             noise: true,
             defmt: None,
+            faults: None,
         }
     }
 }

@@ -1,13 +1,16 @@
 //! What both tiers replay: the flight, its chips, and how much of it.
 
+use reflex::config::{CHIP_MOUNTING, IMU_MOUNTING};
+use reflex::settings::Mounting;
 use std::path::PathBuf;
 
 use anyhow::Result;
 
 use super::options::ReplayOptions;
 use super::refusals;
+use crate::faults::{Limits, Script};
 use chip_models::{ChipOptions, Present};
-use recorded_flights::{Flight, sample_flight};
+use recorded_flights::{Flight, Standstill, sample_flight};
 
 /// Reads the flight that the options name, and refuses one that cannot be replayed with them.
 pub(crate) fn open_flight(options: &ReplayOptions) -> Result<(Flight, PathBuf)> {
@@ -29,8 +32,26 @@ pub(crate) fn chip_options(flight: &Flight, options: &ReplayOptions) -> ChipOpti
             magnetometer: flight.mag.is_some(),
             ..Present::default()
         },
+        mountings: [IMU_MOUNTING, CHIP_MOUNTING].map(Mounting::axes),
         ..ChipOptions::default()
     }
+}
+
+/// What breaks in a replay.
+///
+/// # Errors
+/// A script that names what no replay of this flight can play, with file and line.
+pub(crate) fn script(flight: &Flight, options: &ReplayOptions, is_native: bool) -> Result<Script> {
+    let Some(file) = &options.faults else {
+        return Ok(Script::default());
+    };
+    let limits = Limits {
+        take_off_ns: Standstill::default().length_ns(),
+        duration_s: length_ns(flight, options) as f64 * 1e-9,
+        motors: None,
+        is_native,
+    };
+    Ok(Script::read(file, &limits)?)
 }
 
 /// How much of a flight is replayed, ns.

@@ -51,17 +51,46 @@ pub(crate) struct Timeline<'c> {
 /// control that runs at other times disarms up to a failsafe period apart.
 const BEFORE_DISARM_US: u64 = 2_000_000;
 
-/// When motors were disarmed, in us of the firmware's clock.
-fn disarmed_us(calls: &[Stamped], start: &Start) -> Option<u64> {
-    let mut autopilot = start.autopilot(());
-    let mut armed = false;
-    let disarm = calls.iter().find(|stamped| {
-        stamped.call.replay(stamped.at, &mut autopilot);
-        let before = armed;
-        armed = autopilot.telemetry().state.is_armed();
-        before && !armed
-    });
-    disarm.map(|stamped| stamped.at.ticks())
+/// What the mirror was behind a call.
+#[derive(Clone, Copy)]
+struct Seen {
+    phase: Phase,
+    foresees: bool,
+}
+
+/// All calls made again, and what was seen.
+struct Mirrored {
+    mirror: Mirror,
+    /// Behind each call.
+    seen: Vec<Seen>,
+    /// When motors were disarmed, in us of the firmware's clock.
+    disarmed_us: Option<u64>,
+}
+
+impl Mirrored {
+    fn of(calls: &[Stamped], start: &Start) -> Result<Self> {
+        let mut mirror = Mirror::new(start);
+        let mut seen = Vec::with_capacity(calls.len());
+        let (mut was_armed, mut disarmed_us) = (false, None);
+        for stamped in calls {
+            mirror.take(stamped)?;
+            let telemetry = mirror.autopilot().telemetry();
+            let is_armed = telemetry.state.is_armed();
+            if was_armed && !is_armed {
+                disarmed_us.get_or_insert(stamped.at.ticks());
+            }
+            was_armed = is_armed;
+            seen.push(Seen {
+                phase: telemetry.phase,
+                foresees: mirror.autopilot().foresees(),
+            });
+        }
+        Ok(Self {
+            mirror,
+            seen,
+            disarmed_us,
+        })
+    }
 }
 
 /// The command that the motors held at an instant of the firmware's clock.
@@ -89,7 +118,11 @@ impl<'c> Timeline<'c> {
     /// # Errors
     /// The firmware computed other bits than the host.
     pub(crate) fn of(calls: &'c [Stamped], start: &Start, start_us: u64) -> Result<Self> {
-        let disarmed_us = disarmed_us(calls, start);
+        let Mirrored {
+            mirror,
+            seen,
+            disarmed_us,
+        } = Mirrored::of(calls, start)?;
         let end_us = disarmed_us.map_or(u64::MAX, |at| at.saturating_sub(BEFORE_DISARM_US));
         let flown = calls.partition_point(|stamped| stamped.at.ticks() < end_us);
         let mut timeline = Self {
@@ -100,7 +133,7 @@ impl<'c> Timeline<'c> {
             ends: Vec::new(),
             answered: answered(calls),
             verdicts: Verdicts::of(calls),
-            mirror: Mirror::new(start),
+            mirror,
             runs_in_the_air: 0,
             fallbacks: 0,
             fallbacks_by_reason: FallbackReason::ALL.map(|reason| (reason, 0)),
@@ -111,22 +144,20 @@ impl<'c> Timeline<'c> {
         if start.settings.policy != Policy::Reactive {
             timeline.flight.end_warm_up(start_us);
         }
-        timeline.walk()?;
-        for stamped in &calls[flown..] {
-            timeline.mirror.take(stamped)?;
-        }
+        timeline.walk(&seen);
         Ok(timeline)
     }
 
-    fn walk(&mut self) -> Result<()> {
+    fn walk(&mut self, seen: &[Seen]) {
         let mut reference = Native::new(self.start);
         let mut open: Option<Open> = None;
         let mut by_timer = false;
         let mut phase = Phase::Ground;
         for (place, stamped) in self.calls.iter().enumerate() {
             let at_us = stamped.at.ticks();
-            self.mirror.take(stamped)?;
-            phase = self.notice_phase(phase, at_us);
+            let seen = seen[place];
+            self.notice_phase(phase, seen.phase, at_us);
+            phase = seen.phase;
             let ended = reference.take(stamped);
             match stamped.call {
                 Call::Imu(_) if ended => {
@@ -134,7 +165,7 @@ impl<'c> Timeline<'c> {
                     self.first_hyperperiod_us.get_or_insert(at_us);
                     if at_us >= self.start_us {
                         self.ends.push(place);
-                        self.foreseen += u64::from(self.mirror.autopilot().foresees());
+                        self.foreseen += u64::from(seen.foresees);
                     }
                     open = Some(Open { at_us, run: None });
                     if !self.answered[place] {
@@ -162,11 +193,9 @@ impl<'c> Timeline<'c> {
             }
         }
         self.close(&mut open, &reference.command);
-        Ok(())
     }
 
-    fn notice_phase(&mut self, before: Phase, at_us: u64) -> Phase {
-        let phase = self.mirror.autopilot().telemetry().phase;
+    fn notice_phase(&mut self, before: Phase, phase: Phase, at_us: u64) {
         if phase == Phase::Reactive {
             self.flight.end_warm_up(at_us);
         }
@@ -179,7 +208,6 @@ impl<'c> Timeline<'c> {
                 *count += 1;
             }
         }
-        phase
     }
 
     fn take_run(

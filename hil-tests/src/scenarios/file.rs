@@ -32,10 +32,15 @@ pub(super) struct Written {
     /// Largest tilt on the way there, degrees.
     pub(super) tilt_deg: Option<f64>,
     /// Why the firmware is known not to do so.
-    pub(super) weakness: Option<String>,
+    weakness: Option<String>,
+    /// Control logics that it is a weakness of, in some flights; all, in every flight, without it.
+    weak_logics: Option<Vec<String>>,
     /// Only the emulated board can play it.
     #[serde(default)]
     emulated: bool,
+    /// Only the native tier can.
+    #[serde(default)]
+    native: bool,
     fault: Vec<Entry>,
 }
 
@@ -59,6 +64,7 @@ struct File {
 pub struct Scenario {
     pub(super) written: Written,
     pub(super) script: Script,
+    file: String,
 }
 
 impl Scenario {
@@ -66,6 +72,12 @@ impl Scenario {
     #[must_use]
     pub fn name(&self) -> &str {
         &self.written.name
+    }
+
+    /// The name of its file, without the end.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        &self.file
     }
 
     /// What it breaks, in the words of scripts.
@@ -79,9 +91,16 @@ impl Scenario {
         &self.written.airframe
     }
 
-    /// It is known to fail.
-    pub(super) fn is_weak(&self) -> bool {
-        self.written.weakness.is_some()
+    /// Why it is known to fail with a logic.
+    pub(super) fn weakness(&self, logic: &str) -> Option<&String> {
+        let logics = self.written.weak_logics.as_ref();
+        let is_weak = logics.is_none_or(|logics| logics.iter().any(|weak| weak == logic));
+        self.written.weakness.as_ref().filter(|_| is_weak)
+    }
+
+    /// It is known to fail in every flight.
+    pub(super) fn always_fails(&self) -> bool {
+        self.written.weakness.is_some() && self.written.weak_logics.is_none()
     }
 
     /// It breaks one thing alone, and that in the way of a fault.
@@ -112,7 +131,11 @@ pub(crate) fn read(file: &Path, is_native: bool) -> anyhow::Result<Vec<Scenario>
     let content: File = document.parse()?;
     let mut scenarios = Vec::new();
     for (place, written) in content.scenario.into_iter().enumerate() {
-        if is_native && written.emulated {
+        let elsewhere = match is_native {
+            true => written.emulated,
+            false => written.native,
+        };
+        if elsewhere {
             continue;
         }
         if !(1.0..=LONGEST_S).contains(&written.duration_s) {
@@ -130,7 +153,12 @@ pub(crate) fn read(file: &Path, is_native: bool) -> anyhow::Result<Vec<Scenario>
             document.error_at(&format!("scenario.{place}.fault.{fault}.{key}"), line)
         };
         let script = Script::checked(&written.fault, &limits, error)?;
-        scenarios.push(Scenario { written, script });
+        let file = file.file_stem().unwrap_or_default().to_string_lossy();
+        scenarios.push(Scenario {
+            written,
+            script,
+            file: file.into_owned(),
+        });
     }
     Ok(scenarios)
 }

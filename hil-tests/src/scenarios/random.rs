@@ -1,4 +1,4 @@
-//! Random scripts of faults: promises that hold whatever breaks, and the smallest script that breaks one.
+//! Random scripts of faults: what holds whatever breaks, and what breaks it.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -85,7 +85,7 @@ pub fn fly_random(
     let scene = Scene::load(ENVIRONMENT, AIRFRAME, None)?;
     let is_native = matches!(flyer, Flyer::Native);
     let mut weak = read_all(is_native)?;
-    weak.retain(Scenario::is_weak);
+    weak.retain(|scenario| scenario.weakness(logic.word()).is_some());
     let flight = Flight {
         weak,
         logic,

@@ -4,12 +4,13 @@ use reflex_settings::bytes;
 
 use super::{DecodeError, LONGEST_RECORD};
 use crate::airframe::MotorShares;
-use crate::app::{ChipAction, ChipOrder, ChipSetting, OrderError};
+use crate::app::{ChipAction, ChipOrder, ChipSetting, OrderError, StoreEvent};
 use crate::control::{MotorTest, Setpoint, Yaw};
-use crate::link::{ArmCommand, Destination, ExternalPose, Message};
+use crate::link::{ArmCommand, Calibrate, Destination, ExternalPose, Message, StoreCommand};
 use crate::math::{Quaternion, Vec3};
 use crate::sensors::{Cause, ImuReading, Input};
 use crate::settings::MOST_MOTORS;
+use crate::store::{Found, NotSaved};
 use crate::time::micros;
 use crate::units::{BodyRates, Position, SpecificForce, Thrust, Velocity};
 
@@ -100,6 +101,8 @@ impl<'b> Encoder<'b> {
                 self.float(test.share);
                 self.put(test.length.ticks().to_le_bytes());
             }
+            Message::Calibrate(what) => self.put([6, what.number()]),
+            Message::Store(what) => self.put([7, what.number()]),
             Message::Goal(goal) => {
                 self.byte(4);
                 self.vector(goal.position.0);
@@ -108,6 +111,18 @@ impl<'b> Encoder<'b> {
                 self.float(goal.heading.unwrap_or_default());
             }
         }
+    }
+
+    pub(super) fn store(&mut self, event: &StoreEvent) {
+        let (kind, found) = match *event {
+            StoreEvent::Found(found) => (0, found.number()),
+            StoreEvent::KeyDue => (1, 0),
+            StoreEvent::Begun => (2, 0),
+            StoreEvent::Saved => (3, 0),
+            StoreEvent::NotSaved(NotSaved::Flash) => (4, 0),
+            StoreEvent::NotSaved(NotSaved::NoRoom) => (5, 0),
+        };
+        self.put([kind, found]);
     }
 
     pub(super) fn order(&mut self, order: &ChipOrder) {
@@ -261,6 +276,22 @@ impl<'b> Decoder<'b> {
                 share: self.float()?,
                 length: micros(u64::from_le_bytes(self.take()?)),
             }),
+            6 => Message::Calibrate(self.choice(Calibrate::from_number)?),
+            7 => Message::Store(self.choice(StoreCommand::from_number)?),
+            other => return Err(DecodeError::Unknown(other)),
+        })
+    }
+
+    pub(super) fn store(&mut self) -> Result<StoreEvent, DecodeError> {
+        let kind = self.byte()?;
+        let found = self.choice(Found::from_number)?;
+        Ok(match kind {
+            0 => StoreEvent::Found(found),
+            1 => StoreEvent::KeyDue,
+            2 => StoreEvent::Begun,
+            3 => StoreEvent::Saved,
+            4 => StoreEvent::NotSaved(NotSaved::Flash),
+            5 => StoreEvent::NotSaved(NotSaved::NoRoom),
             other => return Err(DecodeError::Unknown(other)),
         })
     }

@@ -19,6 +19,15 @@ const AVERAGED: f32 = 5.0;
 /// A sample stands for the time since the one before, in s, and for no more than this.
 const LONGEST: f32 = 0.2;
 
+/// Cosine of 15 degrees: three times what zero-g offsets of both chips come to (0.05 g each).
+const SAME_WAY: f32 = 0.966;
+/// Sine of a tilt (11 degrees) at which a turn about the vertical shows.
+const TILTED: f32 = 0.2;
+/// A force that is as near to 1 g (m/s2) is gravity, more or less.
+const NEAR_G: f32 = 1.0;
+/// So many pairs in a row decide.
+const PAIRS: u8 = 3;
+
 /// Means of both.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Accels {
@@ -26,6 +35,8 @@ pub(super) struct Accels {
     /// Mean of each one's size beyond 1 g, in m/s2.
     beyond: [f32; 2],
     apart: bool,
+    /// Pairs in a row, before arming, of which the second says that gravity is elsewhere.
+    aslant: u8,
     at: Option<Instant>,
 }
 
@@ -42,6 +53,28 @@ impl Accels {
         let off = self.difference.max_norm();
         self.apart = off > if before { AGREED } else { APART };
         self.apart && !before
+    }
+
+    /// Takes the gravity that both feel of a drone whose motors stand, while it rests or is handled.
+    ///
+    /// A second chip that is turned about the vertical agrees while the drone is level: only a tilt
+    /// shows it, and only a tilt shows that it is right again.
+    pub(super) fn compare(&mut self, first: Vec3, second: Vec3) {
+        let (one, other) = (first.norm(), second.norm());
+        if (one - GRAVITY).abs() > NEAR_G || (other - GRAVITY).abs() > NEAR_G {
+            return;
+        }
+        let tilted = first.x.abs() > TILTED * one || first.y.abs() > TILTED * one;
+        if first.dot(second) < SAME_WAY * one * other {
+            self.aslant = self.aslant.saturating_add(1);
+        } else if tilted || self.aslant < PAIRS {
+            self.aslant = 0;
+        }
+    }
+
+    /// True where the second is not mounted as is said.
+    pub(super) fn is_second_aslant(&self) -> bool {
+        self.aslant >= PAIRS
     }
 
     /// True where one of them is wrong.
@@ -86,6 +119,31 @@ mod tests {
             assert_eq!(after(REST + offset, REST, 0.0), (true, false), "{offset:?}");
             assert_eq!(after(REST, REST + offset, 0.0), (true, true), "{offset:?}");
         }
+    }
+
+    #[test]
+    fn a_chip_that_is_turned_is_found_upside_down_at_once_and_by_90_degrees_once_tilted() {
+        let tilted = Vec3::new(-0.3, 0.0, -0.95) * GRAVITY;
+        let aslant = |pairs: &[(Vec3, Vec3)]| {
+            let mut accels = Accels::default();
+            for (first, second) in pairs {
+                (0..4).for_each(|_| accels.compare(*first, *second));
+            }
+            accels.is_second_aslant()
+        };
+        let yawed = |felt: Vec3| Vec3::new(-felt.y, felt.x, felt.z);
+        assert!(!aslant(&[(REST, REST), (tilted, tilted)]));
+        assert!(aslant(&[(REST, -REST)]));
+        assert!(!aslant(&[(REST, yawed(REST))]));
+        let shown = [
+            (REST, yawed(REST)),
+            (tilted, yawed(tilted)),
+            (REST, yawed(REST)),
+        ];
+        assert!(aslant(&shown));
+        assert!(!aslant(&[(tilted, yawed(tilted)), (tilted, tilted)]));
+        // Thrown about, neither feels gravity.
+        assert!(!aslant(&[(tilted * 1.5, yawed(tilted) * 1.5)]));
     }
 
     #[test]

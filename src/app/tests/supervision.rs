@@ -230,6 +230,7 @@ fn turned_to_lags(seconds: u64, rate: fn(u64) -> Option<i16>) -> Vec<(u64, Input
     });
     let mut turned = Vec::new();
     for step in 0..seconds * 10 {
+        rig.fly_at(0.5);
         rig.milliseconds(100, rate);
         while let Some(event) = rig.autopilot.next_event() {
             if let Event::Lags(inputs) = event {

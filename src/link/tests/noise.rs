@@ -229,7 +229,10 @@ proptest! {
                     prop_assert!(it.heading.is_none_or(|heading| heading.abs() <= 3.2));
                 }
                 Message::TestMotor(it) => prop_assert!((0.0..=1.0).contains(&it.share)),
-                Message::Heartbeat | Message::Arm(_) => {}
+                Message::Heartbeat
+                | Message::Arm(_)
+                | Message::Calibrate(_)
+                | Message::Store(_) => {}
             }
         }
     }

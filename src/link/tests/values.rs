@@ -229,6 +229,70 @@ fn other_commands_are_answered_and_not_passed_on() {
     }
 }
 
+fn command(command: MavCmd, parameters: [f32; 7]) -> COMMAND_LONG_DATA {
+    let [param1, param2, param3, param4, param5, param6, param7] = parameters;
+    COMMAND_LONG_DATA {
+        param1,
+        param2,
+        param3,
+        param4,
+        param5,
+        param6,
+        param7,
+        command,
+        target_system: SYSTEM,
+        ..COMMAND_LONG_DATA::DEFAULT
+    }
+}
+
+#[test]
+fn one_thing_is_calibrated_at_a_time_and_settings_are_kept_or_forgotten() {
+    use MavCmd::{MAV_CMD_PREFLIGHT_CALIBRATION as CALIBRATE, MAV_CMD_PREFLIGHT_STORAGE as STORE};
+    let none = f32::NAN;
+    let level = Message::Calibrate(Calibrate::Level);
+    for (number, parameters, expected) in [
+        (
+            CALIBRATE,
+            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Some(Message::Calibrate(Calibrate::Gyroscope)),
+        ),
+        (CALIBRATE, [0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0], Some(level)),
+        (
+            CALIBRATE,
+            [none, 0.0, 0.0, 0.0, 2.0, none, 0.0],
+            Some(level),
+        ),
+        (CALIBRATE, [1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0], None),
+        (CALIBRATE, [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0], None),
+        (CALIBRATE, [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0], None),
+        (CALIBRATE, [0.0; 7], None),
+        (
+            STORE,
+            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Some(Message::Store(StoreCommand::Save)),
+        ),
+        (
+            STORE,
+            [2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Some(Message::Store(StoreCommand::Reset)),
+        ),
+        (STORE, [0.0; 7], None),
+        (STORE, [none; 7], None),
+    ] {
+        let (found, _) = read(&frame(0, &command(number, parameters)));
+        let found = match found[..] {
+            [Incoming::Message { message, .. }] => Some(message),
+            [Incoming::Refused { answer, .. }] if answer == Answer::Denied => None,
+            _ => panic!("{found:?}"),
+        };
+        assert_eq!(found, expected, "{number:?} {parameters:?}");
+    }
+    // A COMMAND_INT has a whole number in the fifth place.
+    let mut whole = command(CALIBRATE, [0.0; 7]);
+    whole.param5 = f32::from_bits(2);
+    assert_eq!(message_of(&whole), Some(level));
+}
+
 fn motor_test(motor: f32, kind: f32, percent: f32, length_s: f32) -> COMMAND_LONG_DATA {
     COMMAND_LONG_DATA {
         command: MavCmd::MAV_CMD_DO_MOTOR_TEST,

@@ -5,6 +5,9 @@
 
 use super::reflex_f427::SensorLine;
 
+/// How long a deaf line hears nothing at least, in ns.
+const DEAF_NS: u64 = 1_000_000;
+
 /// One disturbance, and when.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BusFault {
@@ -52,6 +55,13 @@ pub enum Disturbance {
         line: SensorLine,
         /// At which level.
         high: bool,
+    },
+    /// An interrupt line is deaf in so many of a hundred milliseconds, evenly spread: edges are lost, or come late.
+    LineDeaf {
+        /// Which one.
+        line: SensorLine,
+        /// Of a hundred.
+        percent: u32,
     },
     /// An interrupt line picks up a square wave.
     LineStorm {
@@ -152,6 +162,14 @@ impl Script {
                         level = high;
                     }
                 }
+                Disturbance::LineDeaf { line: of, percent } if of == line => {
+                    if fault.holds(at_ns) {
+                        let windows = (at_ns - fault.from_ns) / DEAF_NS;
+                        let lost = |windows: u64| windows * u64::from(percent) / 100;
+                        level &= lost(windows + 1) == lost(windows);
+                        next_ns = next_ns.min(fault.from_ns + (windows + 1) * DEAF_NS);
+                    }
+                }
                 Disturbance::LineStorm {
                     line: of,
                     period_ns,
@@ -221,6 +239,12 @@ mod tests {
             held.line(SensorLine::MagEvent, false, 10),
             (false, u64::MAX)
         );
+
+        let percent = 50;
+        let deaf = script(&[(Disturbance::LineDeaf { line, percent }, 0, 4 * DEAF_NS)]);
+        let heard = [0, 1, 2, 3, 4].map(|window| deaf.line(line, true, window * DEAF_NS).0);
+        assert_eq!(heard, [true, false, true, false, true]);
+        assert!(!deaf.line(line, false, 0).0, "deaf, not ringing");
 
         let period_ns = 10;
         let storm = script(&[(Disturbance::LineStorm { line, period_ns }, 100, 125)]);

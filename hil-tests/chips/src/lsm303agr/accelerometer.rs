@@ -19,7 +19,7 @@ use crate::bus::{Chip, SpiChip};
 use crate::filter::HighPass;
 use crate::options::ChipOptions;
 use crate::own_clock::OwnClock;
-use crate::stimulus::{STANDARD_GRAVITY, StimulusSource};
+use crate::stimulus::{STANDARD_GRAVITY, StimulusSource, mounted};
 
 /// How long a reload of the trimming takes.
 const BOOT_NS: u64 = 5_000_000;
@@ -59,6 +59,8 @@ struct Temperature {
 impl Accelerometer {
     /// A die just powered: in power-down, answering nothing on three wires.
     pub fn new(source: Arc<dyn StimulusSource>, options: ChipOptions) -> Self {
+        let [_, axes] = options.mountings;
+        let source = mounted(source, axes);
         let registers = Registers::at_reset();
         Self {
             setup: Setup::of(&registers),
@@ -263,6 +265,17 @@ impl OwnClock for Accelerometer {
 
     fn rate_hz(&self) -> Option<f64> {
         self.setup.rate_hz
+    }
+
+    fn flip_threshold_bit(&mut self, now_ns: u64, bit: u8) {
+        self.advance(now_ns);
+        let value = self.registers.get(map::INT1_THS_A) ^ (1 << bit);
+        self.registers.write(map::INT1_THS_A, value);
+    }
+
+    fn hurry(&mut self, now_ns: u64, share: f64) {
+        self.advance(now_ns);
+        self.sampler.hurry(share);
     }
 
     fn brown_out(&mut self, now_ns: u64) {

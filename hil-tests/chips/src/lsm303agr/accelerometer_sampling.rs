@@ -6,7 +6,7 @@ use super::accelerometer_registers::{Mode, Setup};
 use crate::filter::LowPass;
 use crate::noise::{Noise, Stream};
 use crate::options::ChipOptions;
-use crate::oscillator::{self, Ticker};
+use crate::oscillator::{self, Pace, Ticker};
 use crate::stimulus::{STANDARD_GRAVITY, Sensor, StimulusSource};
 
 /// Tolerance of the data rate. The datasheet gives none: typical of the family.
@@ -27,11 +27,16 @@ pub struct Sample {
     pub codes: [i16; 3],
 }
 
+/// How often the front end converts.
+fn internal_hz(rate_hz: f64, mode: Mode) -> f64 {
+    rate_hz * oversampling(mode) as f64
+}
+
 /// The analogue front end, its clock and its anti-alias filter.
 pub struct Sampler {
     source: Arc<dyn StimulusSource>,
     present: bool,
-    error: f64,
+    pace: Pace,
     noise: Noise,
     clock: Option<Ticker>,
     programmed: Option<(f64, Mode)>,
@@ -48,7 +53,7 @@ impl Sampler {
         Self {
             source,
             present,
-            error: oscillator::error(options, stream, TOLERANCE),
+            pace: Pace::new(oscillator::error(options, stream, TOLERANCE)),
             noise: Noise::new(options.seed, Stream::Lsm303agrAccelerometer, enabled),
             clock: None,
             programmed: None,
@@ -66,9 +71,16 @@ impl Sampler {
         self.programmed = programmed;
         self.clock = programmed.map(|(rate_hz, mode)| {
             self.low_pass = bandwidth(rate_hz);
-            let internal = rate_hz * oversampling(mode) as f64;
-            Ticker::start(now_ns, internal, self.error)
+            Ticker::start(now_ns, internal_hz(rate_hz, mode), self.pace.error())
         });
+    }
+
+    /// The clock is faster by a share from now on.
+    pub fn hurry(&mut self, share: f64) {
+        self.pace.hurry(share);
+        if let (Some(clock), Some((rate_hz, mode))) = (&mut self.clock, self.programmed) {
+            clock.retune(internal_hz(rate_hz, mode), self.pace.error());
+        }
     }
 
     /// Takes the next output sample if it falls at or before `now_ns`.

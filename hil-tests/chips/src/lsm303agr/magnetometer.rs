@@ -19,9 +19,9 @@ use crate::bus::{Chip, SpiChip};
 use crate::filter::HighPass;
 use crate::noise::{Noise, Stream, symmetric_axes};
 use crate::options::ChipOptions;
-use crate::oscillator::{self, Ticker};
+use crate::oscillator::{self, Pace, Ticker};
 use crate::own_clock::OwnClock;
-use crate::stimulus::{Sensor, StimulusSource};
+use crate::stimulus::{Sensor, StimulusSource, mounted};
 
 /// Tolerance of the data rate. The datasheet gives none: typical of the family.
 const TOLERANCE: f64 = 0.05;
@@ -48,7 +48,7 @@ const INTERRUPT_ON_PIN: u8 = 0x40;
 pub struct Magnetometer {
     source: Arc<dyn StimulusSource>,
     present: bool,
-    error: f64,
+    pace: Pace,
     noise: Noise,
     /// What it shows in no field at 25 degrees, and by how much more a degree above, in gauss.
     own: [[f64; 3]; 2],
@@ -67,13 +67,15 @@ pub struct Magnetometer {
 impl Magnetometer {
     /// A die just powered: idle.
     pub fn new(source: Arc<dyn StimulusSource>, options: ChipOptions) -> Self {
+        let [_, axes] = options.mountings;
+        let source = mounted(source, axes);
         let present = options.present.magnetometer;
         let noisy = options.noise && present;
         let stream = Stream::Lsm303agrMagnetometerOscillator;
         Self {
             source,
             present,
-            error: oscillator::error(&options, stream, TOLERANCE),
+            pace: Pace::new(oscillator::error(&options, stream, TOLERANCE)),
             noise: Noise::new(options.seed, Stream::Lsm303agrMagnetometer, noisy),
             own: [
                 (Stream::Lsm303agrMagnetometerOffset, OFFSET_GAUSS),
@@ -141,15 +143,19 @@ impl Magnetometer {
         }
         self.mode = mode;
         self.smoothed = None;
-        let rate_hz = match mode {
+        let start = |rate_hz| Ticker::start(self.now_ns, rate_hz, self.pace.error());
+        self.clock = self.clock_hz().map(start);
+    }
+
+    fn clock_hz(&self) -> Option<f64> {
+        match self.mode {
             Mode::Idle => None,
             Mode::Single => {
                 let low_power = self.registers.has(map::CFG_REG_A_M, LOW_POWER);
                 Some(SINGLE_RATE[usize::from(low_power)])
             }
             Mode::Continuous(rate_hz) => Some(rate_hz),
-        };
-        self.clock = rate_hz.map(|rate_hz| Ticker::start(self.now_ns, rate_hz, self.error));
+        }
     }
 
     fn measure(&mut self, at_ns: u64) {
@@ -264,6 +270,20 @@ impl OwnClock for Magnetometer {
         match self.mode {
             Mode::Continuous(rate_hz) => Some(rate_hz),
             Mode::Idle | Mode::Single => None,
+        }
+    }
+
+    fn flip_threshold_bit(&mut self, now_ns: u64, bit: u8) {
+        self.advance(now_ns);
+        let value = self.registers.get(map::INT_THS_L_REG_M) ^ (1 << bit);
+        self.registers.write(map::INT_THS_L_REG_M, value);
+    }
+
+    fn hurry(&mut self, now_ns: u64, share: f64) {
+        self.advance(now_ns);
+        self.pace.hurry(share);
+        if let (Some(rate_hz), Some(clock)) = (self.clock_hz(), &mut self.clock) {
+            clock.retune(rate_hz, self.pace.error());
         }
     }
 

@@ -16,7 +16,7 @@ use super::registers::{ClockSource, Setup};
 use crate::filter::LowPass;
 use crate::noise::{Noise, Stream, symmetric_axes};
 use crate::options::{ChipOptions, Present, ZeroRate};
-use crate::oscillator::{self, Ticker};
+use crate::oscillator::{self, Pace, Ticker};
 use crate::stimulus::{STANDARD_GRAVITY, Sensor, StimulusSource};
 
 /// Internal rate of the gyroscope's converter, Hz.
@@ -96,8 +96,8 @@ pub struct Tick {
 pub struct Sampler {
     source: Arc<dyn StimulusSource>,
     present: Present,
-    relaxation_error: f64,
-    gyro_clock_error: f64,
+    relaxation: Pace,
+    gyro_clock: Pace,
     zero_rate: ZeroRate,
     /// Each axis' share of the most at turn-on, and of that of the temperature.
     zero_rate_shares: [[f64; 3]; 2],
@@ -118,12 +118,12 @@ impl Sampler {
     /// A sampler that sleeps until it is configured awake.
     pub fn new(source: Arc<dyn StimulusSource>, options: &ChipOptions) -> Self {
         let noise = |stream, present| Noise::new(options.seed, stream, options.noise && present);
-        let error = |stream, tolerance| oscillator::error(options, stream, tolerance);
+        let pace = |stream, tolerance| Pace::new(oscillator::error(options, stream, tolerance));
         Self {
             source,
             present: options.present,
-            relaxation_error: error(Stream::Mpu6050RelaxationOscillator, RELAXATION_TOLERANCE),
-            gyro_clock_error: error(Stream::Mpu6050GyroClock, GYRO_CLOCK_TOLERANCE),
+            relaxation: pace(Stream::Mpu6050RelaxationOscillator, RELAXATION_TOLERANCE),
+            gyro_clock: pace(Stream::Mpu6050GyroClock, GYRO_CLOCK_TOLERANCE),
             zero_rate: options.zero_rate,
             zero_rate_shares: [Stream::Mpu6050TurnOn, Stream::Mpu6050Temperature]
                 .map(|stream| symmetric_axes(options.seed, stream)),
@@ -151,10 +151,7 @@ impl Sampler {
             self.clock = None;
             return;
         }
-        let error = match setup.clock {
-            ClockSource::Gyro => self.gyro_clock_error,
-            _ => self.relaxation_error,
-        };
+        let error = self.clock_error(setup.clock);
         match &mut self.clock {
             None => {
                 self.reset();
@@ -164,6 +161,23 @@ impl Sampler {
             Some(_) => {}
         }
         self.clock_source = setup.clock;
+    }
+
+    /// All clocks are faster by a share from now on.
+    pub fn hurry(&mut self, share: f64) {
+        self.relaxation.hurry(share);
+        self.gyro_clock.hurry(share);
+        let error = self.clock_error(self.clock_source);
+        if let Some(clock) = &mut self.clock {
+            clock.retune(GYRO_RATE, error);
+        }
+    }
+
+    fn clock_error(&self, source: ClockSource) -> f64 {
+        match source {
+            ClockSource::Gyro => self.gyro_clock.error(),
+            _ => self.relaxation.error(),
+        }
     }
 
     /// Clears the signal paths: the filters settle on what comes next.

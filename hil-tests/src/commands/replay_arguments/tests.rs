@@ -130,6 +130,7 @@ fn every_option_arrives() {
         rotate: "roll180".parse().unwrap(),
         noise: false,
         defmt: Some("out.log".into()),
+        faults: None,
     };
     assert_eq!(options, expected);
 }

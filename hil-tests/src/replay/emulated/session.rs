@@ -4,14 +4,15 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::Result;
 
+use crate::faults::{Strikes, broken};
 use crate::firmware::Firmware;
 use crate::ground_station::LinkFrame;
 use crate::progress::Progress;
-use crate::record::{ChipState, CountedFrom, Look, Observation, OfChips};
+use crate::record::{ChipState, CountedFrom, Look, Observation, OfChips, run_struck};
 use crate::replay::link_frames::schedule;
 use crate::replay::options::ReplayOptions;
-use crate::replay::setup::{chip_options, length_ns};
-use chip_models::{SharedChips, StimulusSource};
+use crate::replay::setup::{chip_options, length_ns, script};
+use chip_models::SharedChips;
 use emulated_board::emulated::{EmulatedBoard, Sensors};
 use emulated_board::{Board, Elf, Observer, Options, Outcome, Watched};
 use recorded_flights::{Flight, FlightStimulus, Setpoints, Standstill};
@@ -24,6 +25,7 @@ pub(crate) struct Session {
     board: Option<Box<EmulatedBoard>>,
     pub(super) chips: SharedChips,
     pub(super) setpoints: Setpoints,
+    strikes: Strikes,
     pub(super) looks: Vec<Look>,
     at_rest: Standstill,
     end_ns: u64,
@@ -38,18 +40,20 @@ impl Session {
         watches: Vec<Watched>,
     ) -> Result<Self> {
         let at_rest = Standstill::default();
-        let source: Arc<dyn StimulusSource> = Arc::new(FlightStimulus::new(flight, at_rest));
+        let faults = script(flight, options, false)?;
+        let source = broken(Arc::new(FlightStimulus::new(flight, at_rest)), &faults);
         let chips = SharedChips::feeling(&source, chip_options(flight, options));
         let elf = Arc::new(Elf::parse(firmware.bytes.clone())?);
         let board_options = Options {
             settings: Some(options.start().to_bytes()),
             watches,
+            bus_faults: faults.on_wires(),
             ..Options::default()
         };
         let mut board = EmulatedBoard::boot(&elf, Sensors::from(&chips), &board_options)?;
         let end_ns = at_rest.length_ns() + length_ns(flight, options);
         let setpoints = Setpoints::of(flight);
-        for LinkFrame { at_ns, bytes } in schedule(flight, &setpoints, at_rest) {
+        for LinkFrame { at_ns, bytes } in schedule(flight, &setpoints, at_rest, &faults) {
             if at_ns < end_ns {
                 board.transmit(at_ns, &bytes);
             }
@@ -58,6 +62,7 @@ impl Session {
             board: Some(Box::new(board)),
             chips,
             setpoints,
+            strikes: Strikes::of(&faults),
             looks: Vec::new(),
             at_rest,
             end_ns,
@@ -89,7 +94,8 @@ impl Session {
             return Ok(false);
         };
         let at_ns = (board.now_ns() + STEP_NS).min(self.end_ns);
-        board.run_until(at_ns, observer)?;
+        let (chips, strikes) = (&mut self.chips, &mut self.strikes);
+        run_struck(board, chips, strikes, at_ns, observer)?;
         self.looks.push(Look {
             at_ns,
             chips: look_at(&self.chips),

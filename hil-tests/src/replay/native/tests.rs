@@ -2,15 +2,18 @@
 
 use std::fmt::Write;
 
-use reflex::app::{Call, ChipAction, ChipOrder};
+use rayon::prelude::*;
+use reflex::app::{Call, ChipAction, ChipOrder, Fault};
 use reflex::sensors::{Input, Inputs};
 use reflex::settings::{Policy, Settings};
 use reflex::time::micros;
 
 use super::*;
+use crate::closed_loop::tests::alarms::ALARMS;
+use crate::logics::LogicName;
 use crate::native::DieWire;
 use crate::scoring::Tier;
-use recorded_flights::recordings::recording;
+use recorded_flights::recordings::{self, recording};
 use recorded_flights::{Rotate, Rotation};
 
 /// The log of a flight in gusts that come and go, of `seconds` at 500 Hz, by formula.
@@ -180,7 +183,7 @@ fn in_flight(flight: &Flight, seconds: u64, settings: Settings) -> NativeBoard {
         settings,
         ..ReplayOptions::default()
     };
-    let (mut board, _) = boot(flight, &setpoints, &options);
+    let (mut board, _) = boot(flight, &setpoints, &options).expect("booted");
     board.run_until(seconds * 1_000_000_000);
     board
 }
@@ -372,6 +375,45 @@ fn no_recorded_flight_leaves_control_waiting_longer_than_the_failsafe_and_a_hype
     }
 }
 
+/// Flights whose field is told to be bent, and how often at most.
+///
+/// That of the hexacopter is: its motors' currents make it 0.2 to 1.7 gauss strong, where 0.37 is
+/// Earth's. That of the other two is Earth's all the time, 0.4 to 0.6 gauss; in fast turns and
+/// flips its direction jumps against the gyroscope's, as it is sampled at 50 Hz and a moment late.
+/// The heading is then the gyroscope's for as long.
+const FIELDS: [(&str, u32); 3] = [
+    ("px4_v5_hexa_vib", 2),
+    ("ap33_solo_loiter_mpu6000_lsm303d", 1),
+    ("ap33_solo_acro_crash_mpu6000_lsm303d", 5),
+];
+
+/// In a recorded flight the body does not answer the commands, and all sensors are well.
+#[test]
+fn no_recorded_flight_raises_an_alarm() {
+    let flights = recordings::flights();
+    let logics = [LogicName::configured(), LogicName::ArduCopter];
+    let flown = flights
+        .par_iter()
+        .flat_map_iter(|flight| logics.map(|logic| (flight, logic)));
+    let raised: Vec<String> = flown
+        .flat_map_iter(|(flight, logic)| {
+            let options = ReplayOptions {
+                gains: logic.into(),
+                ..ReplayOptions::default()
+            };
+            let (mut board, end_ns) = boot(flight, &Setpoints::of(flight), &options);
+            board.run_until(end_ns);
+            let bent = FIELDS.iter().find(|(name, _)| flight.name.contains(name));
+            let fields = [(Fault::FieldBent, bent.map_or(0, |(_, times)| *times))];
+            let expected = ALARMS.map(|alarm| (alarm, 0)).into_iter().chain(fields);
+            let more = expected.filter(|(alarm, times)| board.pilot.faults(*alarm) > *times);
+            more.map(|(alarm, _)| format!("{} {logic:?}: {alarm:?}", flight.name))
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    assert_eq!(raised, Vec::<String>::new());
+}
+
 /// Runs within 10 %, RMS within 15 %: the tiers' samples differ by microseconds, and with them
 /// every label; they must not differ in what control decides.
 fn check_that_the_tiers_agree(name: &str) {
@@ -425,4 +467,70 @@ fn the_tiers_agree_on_a_calm_hover() {
 #[test]
 fn the_tiers_agree_on_a_loiter() {
     check_that_the_tiers_agree("csv/ap33_solo_loiter_mpu6000_lsm303d.csv");
+}
+
+/// A replay of those gusts under a script.
+fn broken_by(text: &str) -> anyhow::Result<Vec<Stamped>> {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("faults.toml");
+    std::fs::write(&file, text).unwrap();
+    let options = ReplayOptions {
+        faults: Some(file),
+        ..ReplayOptions::default()
+    };
+    fly(&gusts(10), &options)
+}
+
+#[test]
+fn a_script_breaks_things_in_a_replay_from_its_instant_on() {
+    let script = "[[fault]]\nwhat = 'no_acknowledge'\nwhere = 'imu_bus'\nat_s = 6\nfor_s = 0.02\n";
+    let calls = broken_by(script).unwrap();
+    let faults = calls
+        .iter()
+        .filter(|call| call.call == Call::Fault(Fault::ImuBus));
+    let at_s: Vec<f64> = faults.map(|call| call.at.ticks() as f64 * 1e-6).collect();
+    assert!(at_s.len() > 5, "{at_s:?}");
+    let from_s = Standstill::default().length_ns() as f64 * 1e-9 + 6.0;
+    assert!(
+        at_s.iter()
+            .all(|at_s| (0.0..0.05).contains(&(at_s - from_s))),
+        "{at_s:?}"
+    );
+    let sound = fly(&gusts(10), &ReplayOptions::default()).unwrap();
+    let before = calls
+        .iter()
+        .zip(&sound)
+        .take_while(|(one, other)| one == other);
+    let last = before.last().expect("the same at first").0.at.ticks() as f64 * 1e-6;
+    assert!((last - from_s).abs() < 0.01, "{last}");
+}
+
+/// entry | what is said
+const SENSELESS: &str = "
+what = 'sulk'; where = 'link'; at_s = 1 | 2: fault.0.what: `sulk` is unknown here
+what = 'zero'; where = 'nose'; at_s = 1 | 3: fault.0.where: `nose` is unknown here
+what = 'bias'; where = 'gyroscope'; at_s = 1; size = 1; unit = 'rad' | 6: fault.0.unit: `rad` is unknown here
+what = 'zero'; where = 'gyroscope'; at_s = 11 | 4: fault.0.at_s: 11 is out of range, must be 0 to 10
+what = 'zero'; where = 'gyroscope'; at_s = 9; for_s = 2 | 5: fault.0.for_s: 2 is out of range
+what = 'lost'; where = 'motor1'; at_s = 1 | 2: fault.0.what: `lost` has no place in a replay
+what = 'held_low'; where = 'imu_line'; at_s = 1 | 2: fault.0.what: `held_low` needs the emulated board
+";
+
+#[test]
+fn what_no_replay_can_play_is_refused_with_file_and_line() {
+    for row in SENSELESS.trim().lines() {
+        let (entry, expected) = row.split_once(" | ").unwrap();
+        let script = format!("[[fault]]\n{}\n", entry.replace("; ", "\n"));
+        let said = broken_by(&script).unwrap_err();
+        assert!(said.is::<reflex_config::ConfigError>(), "{said}");
+        let said = said.to_string();
+        let (line, expected) = expected.split_once(": ").unwrap();
+        let (_, rest) = said
+            .split_once(&format!("faults.toml:{line}:"))
+            .expect(&said);
+        assert!(
+            rest.contains(expected.split_once(": ").unwrap().1),
+            "{said}"
+        );
+    }
 }
