@@ -14,6 +14,7 @@ mod fuzz;
 mod graph;
 mod logic_arguments;
 mod magnetometer;
+mod memory;
 mod profile;
 mod quantities;
 mod recorded_arguments;
@@ -66,6 +67,8 @@ enum Command {
     Bench(bench::BenchArguments),
     /// Count where the instructions of a flight go: by part of the firmware, function and task
     Profile(profile::ProfileArguments),
+    /// Measure flash, by part of the firmware, and RAM with each control logic
+    Memory(memory::MemoryArguments),
     /// Draw a control logic as a graph, for Graphviz and as SVG
     Graph(graph::GraphArguments),
     /// Try inputs that nobody meant on all that reads
@@ -97,6 +100,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Faults(arguments) => faults::run(arguments),
         Command::Bench(arguments) => bench::run(arguments),
         Command::Profile(arguments) => profile::run(arguments),
+        Command::Memory(arguments) => memory::run(arguments),
         Command::Graph(arguments) => graph::run(arguments),
         Command::Fuzz(arguments) => fuzz::run(arguments),
         Command::Magnetometer(arguments) => magnetometer::run(arguments),

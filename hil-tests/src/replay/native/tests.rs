@@ -401,7 +401,8 @@ fn no_recorded_flight_raises_an_alarm() {
                 gains: logic.into(),
                 ..ReplayOptions::default()
             };
-            let (mut board, end_ns) = boot(flight, &Setpoints::of(flight), &options).unwrap();
+            let (mut board, end_ns) =
+                boot(flight, &Setpoints::of(flight), &options).expect("booted");
             board.run_until(end_ns);
             let bent = FIELDS.iter().find(|(name, _)| flight.name.contains(name));
             let fields = [(Fault::FieldBent, bent.map_or(0, |(_, times)| *times))];
