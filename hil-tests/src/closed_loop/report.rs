@@ -155,11 +155,6 @@ pub fn summary(report: &FlightReport) -> String {
         .filter(|named| *named.1 > 0)
         .map(|(name, count)| format!("{name} {count}"))
         .collect();
-    let busy = report.cpu.map_or("busy - %".to_owned(), |cpu| {
-        let [plain, charged] = [cpu.busy_fraction, cpu.busy_with_exceptions].map(|of| 100.0 * of);
-        let entered = cpu.exceptions_per_second;
-        format!("busy {plain:.2} %, {charged:.2} % with 22 cycles for each of {entered:.0} exceptions a second")
-    });
     let minutes = report.flight_time_s.map(|time| time / 60.0);
     let gains = report.gains.as_ref();
     let gains = gains.map_or(String::new(), |name| format!(" and gains {name}"));
@@ -194,7 +189,7 @@ pub fn summary(report: &FlightReport) -> String {
             reasons.join(", "),
             or_dash(report.control.unchanged_share.map(|share| 100.0 * share), 1)
         ),
-        format!("processor        {busy}"),
+        format!("processor        {}", busy_text(report)),
         format!(
             "energy           {} J/min, {} min to 20 % of the battery",
             or_dash(report.energy_per_minute_j, 0),
@@ -210,6 +205,15 @@ pub fn summary(report: &FlightReport) -> String {
     }
     lines.push(format!("digest           {}", report.digest));
     lines.join("\n") + "\n"
+}
+
+/// How busy the processor was, without and with its exceptions.
+fn busy_text(report: &FlightReport) -> String {
+    report.cpu.map_or("busy - %".to_owned(), |cpu| {
+        let [plain, charged] = [cpu.busy_fraction, cpu.busy_with_exceptions].map(|of| 100.0 * of);
+        let entered = cpu.exceptions_per_second;
+        format!("busy {plain:.2} %, {charged:.2} % with 22 cycles for each of {entered:.0} exceptions a second")
+    })
 }
 
 #[cfg(test)]
