@@ -32,6 +32,8 @@ const LAG: f32 = 0.03;
 const TRIM: f32 = 2.0;
 const NOW: f32 = 0.08;
 const USUAL: f32 = 5.0;
+/// So long (s) a drone is new in the air: a sensor that was mounted another way shows at once.
+const FIRST: f32 = 2.0;
 /// Time constants (s) that take the noise off motion, and off lift.
 const SMOOTH: f32 = 0.05;
 const SMOOTH_LIFT: f32 = 0.03;
@@ -201,7 +203,7 @@ impl Response {
         } else {
             None
         };
-        let answered = self.agreed > AGREES || self.flown < USUAL;
+        let answered = self.agreed > AGREES || self.flown < FIRST;
         let lifts = self.missing < ONE_MOTOR.start;
         let wrong = self.reversed >= LOOKS_REVERSED && lifts && answered;
         lost.map(Unanswered::Motor)

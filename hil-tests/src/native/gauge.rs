@@ -30,8 +30,10 @@ mod tests {
 
     #[test]
     fn a_look_shows_what_was_on_the_pins_at_the_look_before() {
-        let mut gauge = Gauge::default();
-        gauge.pins_mv = [1_168, 500];
+        let mut gauge = Gauge {
+            pins_mv: [1_168, 500],
+            ..Gauge::default()
+        };
         assert_eq!(gauge.look(), BatteryReading::default());
         gauge.pins_mv = [9_000, 0];
         assert_eq!(gauge.look(), BatteryReading::of_steps([1_449, 620]));
