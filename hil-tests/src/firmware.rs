@@ -73,6 +73,7 @@ impl Firmware {
         let mut build = toolchain::cargo();
         choose(&mut build, logic);
         build.env("DEFMT_RTT_BUFFER_SIZE", REDUCED_LOG.to_string());
+        build.env("DEFMT_LOG", "error");
         build.args(["build", "--profile", REDUCED, "--features", REDUCED]);
         Self::linked(build, (NAME, NAME), progress)
     }

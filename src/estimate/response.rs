@@ -47,7 +47,7 @@ const ANSWERED: f32 = 4.0;
 /// of a body that usually does as it is asked.
 const AGAINST: f32 = -0.5;
 const REVERSED: f32 = -0.8;
-const AGREES: f32 = 0.04;
+const AGREES: f32 = 0.09;
 /// How fast the last fades, in 1/s: what is lost spoils it at once.
 const FADING: f32 = 0.1;
 /// For so many looks in a row.
@@ -192,7 +192,9 @@ impl Response {
     }
 
     fn judge(&mut self, mixer: &Mixer) -> Option<Unanswered> {
-        let agreed = self.agreed > AGREES && ONE_MOTOR.contains(&self.missing);
+        // Two seconds of gusts may agree by chance.
+        let known = self.agreed > AGREES && self.flown >= USUAL;
+        let agreed = known && ONE_MOTOR.contains(&self.missing);
         let [x, y] = self.leaning;
         self.leant = counted(self.leant, agreed && x * x + y * y > LEANT * LEANT);
         let held_up = Vec3::new(x, y, 0.0);

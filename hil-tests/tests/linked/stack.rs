@@ -19,7 +19,7 @@ const EXCEPTION: u32 = 26 * 4 + 4;
 /// What the end of the firmware needs below the deepest task, before its stack begins anew.
 const RESERVE: u32 = 1024;
 /// The most that the bound may be, in bytes.
-const LIMIT: u32 = 16 * 1024;
+const LIMIT: u32 = 28 * 1024;
 
 impl Program {
     /// The most that a function takes, with all that it calls.

@@ -514,7 +514,7 @@ what = 'bias'; where = 'gyroscope'; at_s = 1; size = 1; unit = 'rad' | 6: fault.
 what = 'zero'; where = 'gyroscope'; at_s = 11 | 4: fault.0.at_s: 11 is out of range, must be 0 to 9.998 s of the flight
 what = 'zero'; where = 'gyroscope'; at_s = 9; for_s = 2 | 5: fault.0.for_s: 2 is out of range
 what = 'lost'; where = 'motor1'; at_s = 1 | 2: fault.0.what: `lost` has no place in a replay
-what = 'held_low'; where = 'imu_line'; at_s = 1 | 2: fault.0.what: `held_low` needs the emulated board
+what = 'held_low'; where = 'accelerometer_line'; at_s = 1 | 2: fault.0.what: `held_low` needs the emulated board
 ";
 
 #[test]
