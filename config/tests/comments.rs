@@ -12,11 +12,13 @@ fn comment(text: &str, setting: &Setting) -> String {
     let section = format!("[{}]", setting.section);
     let body = text.split(&format!("\n{section}")).nth(1).expect(&section);
     let body = body.split("\n[").next().unwrap();
-    let head: String = body
-        .trim_start()
-        .lines()
-        .map_while(|line| line.strip_prefix('#'))
-        .collect();
+    let head = body.trim_start().split("\n\n").next().unwrap_or_default();
+    let is_head = head.lines().all(|line| line.starts_with('#'));
+    let head = if is_head {
+        head.replace('#', "")
+    } else {
+        String::new()
+    };
     let mut above = String::new();
     for line in body.lines() {
         if let Some(words) = line.strip_prefix('#') {
