@@ -19,7 +19,7 @@
 //! in the air, as those of a sensor that was mounted another way.
 
 use crate::airframe::{Asked, Mixer};
-use crate::math::{Vec3, max, min, sqrt};
+use crate::math::{RunningMean, Vec3, max, sqrt, towards};
 use crate::time::{Duration, Instant, micros, seconds, span};
 
 /// Between two looks.
@@ -105,9 +105,8 @@ pub struct Response {
     given: Asked,
     /// The torque that balances the body.
     trim: [f32; 2],
-    /// Mean lift (m/s2) of a whole share, and the time (s) behind it.
-    lift: f32,
-    flown: f32,
+    /// Of the lift (m/s2) of a whole share, in flight.
+    lift: RunningMean,
     /// How many motors' lift is missing.
     missing: f32,
     asked: [f32; 2],
@@ -182,18 +181,17 @@ impl Response {
         self.reversed = counted(self.reversed, large && cosine < REVERSED);
     }
 
-    /// The mean of the flight so far, at first.
     fn weigh_lift(&mut self, felt: f32, dt: f32, motors: usize) {
         let lift = felt / max(self.given.lift, LEAST_LIFT);
-        self.flown = min(self.flown + dt, USUAL);
-        self.lift += (lift - self.lift) * (dt / self.flown);
-        let missing = (1.0 - lift / max(self.lift, 1.0)) * motors as f32;
+        self.lift.take(lift, dt, USUAL);
+        let missing = (1.0 - lift / max(self.lift.value(), 1.0)) * motors as f32;
         self.missing += (missing - self.missing) * (dt / (SMOOTH_LIFT + dt));
     }
 
     fn judge(&mut self, mixer: &Mixer) -> Option<Unanswered> {
-        // Two seconds of gusts may agree by chance.
-        let known = self.agreed > AGREES && self.flown >= USUAL;
+        let answered = self.agreed > AGREES;
+        // In a shorter time gusts agree by chance.
+        let known = answered && self.lift.behind() >= USUAL;
         let agreed = known && ONE_MOTOR.contains(&self.missing);
         let [x, y] = self.leaning;
         self.leant = counted(self.leant, agreed && x * x + y * y > LEANT * LEANT);
@@ -205,9 +203,9 @@ impl Response {
         } else {
             None
         };
-        let answered = self.agreed > AGREES || self.flown < FIRST;
+        let judged = answered || self.lift.behind() < FIRST;
         let lifts = self.missing < ONE_MOTOR.start;
-        let wrong = self.reversed >= LOOKS_REVERSED && lifts && answered;
+        let wrong = self.reversed >= LOOKS_REVERSED && lifts && judged;
         lost.map(Unanswered::Motor)
             .or(wrong.then_some(Unanswered::Rates))
     }
@@ -237,10 +235,6 @@ impl Response {
 /// How many looks in a row something has held.
 fn counted(looks: u8, holds: bool) -> u8 {
     if holds { looks.saturating_add(1) } else { 0 }
-}
-
-fn towards([x, y]: [f32; 2], [to_x, to_y]: [f32; 2], share: f32) -> [f32; 2] {
-    [x + (to_x - x) * share, y + (to_y - y) * share]
 }
 
 #[cfg(test)]
