@@ -1,7 +1,5 @@
 //! A flight under way: world and autopilot in lockstep, looked at every 10 ms.
 
-use reflex::config::{CHIP_MOUNTING, IMU_MOUNTING};
-use reflex::settings::Mounting;
 use std::sync::Arc;
 
 use anyhow::Result;
@@ -23,6 +21,7 @@ use super::world::{LONGEST_STEP_NS, World};
 use super::{FlyOptions, Flyer, Scene};
 use crate::faults::broken;
 use crate::logics::Start;
+use crate::mountings::mountings;
 use crate::record::motor_timers::update_period_ns;
 use chip_models::{ChipOptions, ZeroRate};
 
@@ -87,7 +86,7 @@ impl<'o> SimulatedFlight<'o> {
                 turn_on_deg_s: scene.vehicle.gyroscope.turn_on_deg_s,
                 warm_up_c: scene.vehicle.gyroscope.warm_up_c,
             },
-            mountings: [IMU_MOUNTING, CHIP_MOUNTING].map(Mounting::axes),
+            mountings: mountings(),
             ..ChipOptions::default()
         };
         let board: Box<dyn FlyingBoard> = match flyer {

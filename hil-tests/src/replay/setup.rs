@@ -1,7 +1,5 @@
 //! What both tiers replay: the flight, its chips, and how much of it.
 
-use reflex::config::{CHIP_MOUNTING, IMU_MOUNTING};
-use reflex::settings::Mounting;
 use std::path::PathBuf;
 
 use anyhow::Result;
@@ -9,6 +7,7 @@ use anyhow::Result;
 use super::options::ReplayOptions;
 use super::refusals;
 use crate::faults::{Limits, Script};
+use crate::mountings::mountings;
 use chip_models::{ChipOptions, Present};
 use recorded_flights::{Flight, Standstill, sample_flight};
 
@@ -32,7 +31,7 @@ pub(crate) fn chip_options(flight: &Flight, options: &ReplayOptions) -> ChipOpti
             magnetometer: flight.mag.is_some(),
             ..Present::default()
         },
-        mountings: [IMU_MOUNTING, CHIP_MOUNTING].map(Mounting::axes),
+        mountings: mountings(),
         ..ChipOptions::default()
     }
 }
