@@ -2,9 +2,9 @@
 //!
 //! The point climbs to flying height, then hovers or goes round waypoints. It slows down for
 //! corners, and waits for a drone that falls behind, as the leash of an autopilot's waypoint
-//! controller does. It knows the true place of the drone, so that what is asked of the drone does
-//! not depend on what is told to it. The heading stays north, unless to turn is the mission: some logics turn at a few degrees
-//! per second only.
+//! controller does. It knows the drone's true place: errors of the places that the drone is told
+//! change no goal. The heading stays north, as some logics turn at a few degrees per second only;
+//! the mission `turn` turns slowly.
 
 use std::f64::consts::TAU;
 

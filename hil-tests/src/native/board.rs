@@ -40,6 +40,7 @@ use emulated_board::Disturbance;
 
 /// The one fault of a bus that is played here.
 const SILENCE: Effect = Effect::Bus(Disturbance::NoAcknowledge);
+
 /// Every call with its stamp.
 #[derive(Debug, Default)]
 pub(crate) struct Calls(pub(crate) Vec<Stamped>);
