@@ -1,13 +1,19 @@
 //! The battery: smoothed voltage and current, and what they mean.
 //!
+//! Limits are those of a cell. How many there are is set, or counted as the battery is connected: as few
+//! as have no more than a full one.
 //! A state is left upward only past a margin: a battery that recovers as thrust ends is as empty as
 //! before. What reads less than any battery has is none, so that a board on a bench flies no
 //! failsafe, and a wire that breaks in the air ends no flight.
 
 use crate::config::{
-    BATTERY_CRITICAL_V, BATTERY_LEAST_V, BATTERY_LOW_V, BATTERY_MARGIN_V, BATTERY_SMOOTHING,
+    BATTERY_AMPS_PER_VOLT, BATTERY_CELLS, BATTERY_CRITICAL_V, BATTERY_FULL_V, BATTERY_LEAST_V,
+    BATTERY_LOW_V, BATTERY_MARGIN_V, BATTERY_SMOOTHING, BATTERY_VOLTS_PER_VOLT,
 };
 use crate::time::{Instant, seconds, span};
+
+/// Volts of a step of the converter: 12 bits of the supply.
+const STEP_V: f32 = 3.3 / 4095.0;
 
 /// What was measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,6 +26,16 @@ pub struct BatteryReading {
 }
 
 impl BatteryReading {
+    /// What steps of the converter say: of the voltage's divider, and of the current's shunt.
+    #[must_use]
+    pub fn of_steps(steps: [u16; 2]) -> Self {
+        let [volts, amps] = steps.map(|steps| f32::from(steps) * STEP_V);
+        Self {
+            volts: volts * BATTERY_VOLTS_PER_VOLT,
+            amps: amps * BATTERY_AMPS_PER_VOLT,
+        }
+    }
+
     /// True where nothing is infinite or not a number.
     #[must_use]
     pub fn is_finite(&self) -> bool {
@@ -46,6 +62,7 @@ pub enum BatteryState {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Battery {
     state: BatteryState,
+    cells: u8,
     smoothed: BatteryReading,
     measured: Option<Instant>,
 }
@@ -76,7 +93,10 @@ impl Battery {
                     amps: toward(self.smoothed.amps, amps),
                 }
             }
-            _ => reading,
+            _ => {
+                self.cells = cells_of(volts);
+                reading
+            }
         };
         self.measured = Some(at);
         let state = self.found();
@@ -94,7 +114,7 @@ impl Battery {
             } else {
                 0.0
             };
-            volts < limit + margin
+            volts < (limit + margin) * f32::from(self.cells)
         };
         if volts < BATTERY_LEAST_V {
             BatteryState::Unmeasured
@@ -108,6 +128,14 @@ impl Battery {
     }
 }
 
+/// Cells of a battery that was just connected.
+fn cells_of(volts: f32) -> u8 {
+    match BATTERY_CELLS {
+        0 => (volts / BATTERY_FULL_V) as u8 + 1,
+        cells => cells as u8,
+    }
+}
+
 const SMOOTHING_S: f32 = seconds_of(BATTERY_SMOOTHING.ticks());
 
 const fn seconds_of(micros: u64) -> f32 {
@@ -118,6 +146,38 @@ const fn seconds_of(micros: u64) -> f32 {
 mod tests {
     use super::*;
     use crate::time::at_micros;
+
+    const CELLS: f32 = 3.0;
+    const LOW_V: f32 = CELLS * BATTERY_LOW_V;
+    const CRITICAL_V: f32 = CELLS * BATTERY_CRITICAL_V;
+    const MARGIN_V: f32 = CELLS * BATTERY_MARGIN_V;
+
+    #[test]
+    fn cells_are_counted_as_a_battery_is_connected_and_limits_are_theirs() {
+        // The fullest and the emptiest that is told from one with a cell less or more.
+        for (cells, volts) in [
+            (2, 8.6),
+            (3, 9.0),
+            (3, 12.9),
+            (4, 13.1),
+            (4, 17.2),
+            (6, 25.2),
+        ] {
+            let mut battery = Battery::default();
+            battery.take(at_micros(0), volts - 0.01, 0.0);
+            let mut held = |minute: u64, cell_v: f32| {
+                battery.take(at_micros(minute * 60_000_000), cell_v * cells as f32, 0.0);
+                battery.state()
+            };
+            let states = [
+                held(1, BATTERY_CRITICAL_V - 0.01),
+                held(2, BATTERY_LOW_V - 0.01),
+                held(3, BATTERY_LOW_V + BATTERY_MARGIN_V + 0.01),
+            ];
+            use BatteryState::{Critical, Good, Low};
+            assert_eq!(states, [Critical, Low, Good], "{cells} cells, {volts} V");
+        }
+    }
 
     /// The states of a battery that holds each voltage for a minute.
     fn states(volts: &[f32]) -> Vec<BatteryState> {
@@ -134,8 +194,8 @@ mod tests {
     #[test]
     fn a_state_is_left_upward_past_a_margin_only() {
         use BatteryState::{Critical, Good, Low, Unmeasured};
-        let (low, critical) = (BATTERY_LOW_V, BATTERY_CRITICAL_V);
-        let (past, short) = (BATTERY_MARGIN_V + 0.01, BATTERY_MARGIN_V - 0.01);
+        let (low, critical) = (LOW_V, CRITICAL_V);
+        let (past, short) = (MARGIN_V + 0.01, MARGIN_V - 0.01);
         let table = [
             (0.0, Unmeasured),
             (low + 0.01, Good),
@@ -163,10 +223,10 @@ mod tests {
                 told.extend(battery.take(at_micros(ms * 1_000), volts, 0.0));
             }
         };
-        hold(0, 1_000, BATTERY_LOW_V + 1.0);
-        hold(1_000, 1_200, BATTERY_LOW_V - 1.0);
-        hold(1_200, 20_000, BATTERY_LOW_V + 1.0);
-        hold(20_000, 60_000, BATTERY_LOW_V - 0.1);
+        hold(0, 1_000, LOW_V + 1.0);
+        hold(1_000, 1_200, LOW_V - 1.0);
+        hold(1_200, 20_000, LOW_V + 1.0);
+        hold(20_000, 60_000, LOW_V - 0.1);
         assert_eq!(told, [BatteryState::Good, BatteryState::Low]);
     }
 }

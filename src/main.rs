@@ -46,7 +46,7 @@ mod app {
     };
     use cortex_m::singleton;
     use defmt_rtt as _;
-    use reflex::app::{Autopilot, CallRing};
+    use reflex::app::Autopilot;
     use reflex::tasks::chips::{self as owner, Fetches};
     use reflex::tasks::{Board, Lock, Task, control, imu, link};
     use reflex::time::Instant;
@@ -57,7 +57,7 @@ mod app {
     const CHIPS: Interrupt = Interrupt::CAN2_RX0;
 
     /// The autopilot with its call log.
-    pub type Pilot = Autopilot<&'static mut CallRing>;
+    pub type Pilot = Autopilot<calls::Calls>;
 
     /// The board as the portable tasks see it: its clock, and a vector for each of them.
     struct Vectors;
@@ -130,7 +130,7 @@ mod app {
 
     /// In a frame of its own: the 4 KiB of stack do not add to those of the board's start.
     #[inline(never)]
-    fn pilot(board: &Started, calls: &'static mut CallRing) -> &'static mut Pilot {
+    fn pilot(board: &Started, calls: calls::Calls) -> &'static mut Pilot {
         let pilot = singleton!(: Pilot = Autopilot::new(&board.start, &board.mixer, calls));
         let pilot = pilot.expect("made once");
         pilot.on_reset(now(), &board.reset);

@@ -4,10 +4,12 @@
 //! that the emulated core and the host give the same bits. Trigonometry is by polynomials:
 //! `libm::sinf` passes through `f64`, which the Cortex-M4F does in software.
 
+mod mean;
 mod quaternion;
 mod trigonometry;
 mod vector;
 
+pub use mean::RunningMean;
 pub use quaternion::Quaternion;
 pub use trigonometry::{atan2, sin_cos, wrapped};
 pub use vector::Vec3;
@@ -50,4 +52,14 @@ pub fn max(a: f32, b: f32) -> f32 {
 #[inline]
 pub fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
+}
+
+/// Each number by this share of the way to another.
+#[must_use]
+#[inline]
+pub fn towards<const N: usize>(mut from: [f32; N], to: [f32; N], share: f32) -> [f32; N] {
+    for (from, to) in from.iter_mut().zip(to) {
+        *from += (to - *from) * share;
+    }
+    from
 }

@@ -33,7 +33,9 @@ pub mod plant {
     //! What is simulated: drones as bodies, and where they fly.
 
     pub use crate::environment::{Environment, Gusts, Shelter, Tracking, Wind};
-    pub use crate::vehicle::{Battery, Drag, Esc, Rotors, Skids, Vehicle, Vibration};
+    pub use crate::vehicle::{
+        Battery, Drag, Esc, Gyroscope, Magnetometer, Rotors, Skids, Vehicle, Vibration,
+    };
 }
 
 use reactive::Files;

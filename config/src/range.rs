@@ -3,7 +3,10 @@
 //! A function for each kind of value, to be named beside the field: the error then carries the
 //! value's place in the file, and no value out of its range ever exists.
 
-use reflex_settings::{ARMED_MINIMUM, DIRECTION, Range, above, within};
+use reflex_settings::{
+    ARMED_MINIMUM, DIRECTION, HARD_IRON, MOTOR_FIELD, Range, SOFT_IRON_DIAGONAL,
+    SOFT_IRON_OFF_DIAGONAL, TURN_ON, WARMING, above, within,
+};
 use serde::de::{Deserialize, Deserializer, Error};
 
 /// One number or several.
@@ -121,6 +124,18 @@ ranges! {
     drift_time: f64 = within(1.0, 3600.0), "s";
     /// Noise of a reported place or velocity, in m or m/s.
     tracking_noise: f64 = within(0.0, 1.0), "";
+    /// What a gyroscope shows at rest.
+    turn_on: f64 = TURN_ON, "deg/s";
+    /// By how much a die warms up.
+    warming: f64 = WARMING, "degrees Celsius";
+    /// The field of magnets.
+    hard_iron: [f64; 3] = HARD_IRON, "gauss";
+    /// The diagonal of a matrix of soft iron.
+    soft_iron_diagonal: [f64; 3] = SOFT_IRON_DIAGONAL, "";
+    /// What is beside it.
+    soft_iron_off_diagonal: [f64; 3] = SOFT_IRON_OFF_DIAGONAL, "";
+    /// The field of motors for each ampere.
+    motor_field: [f64; 3] = MOTOR_FIELD, "gauss for each A";
     /// A direction.
     direction: f64 = DIRECTION, "degrees";
 }

@@ -33,6 +33,12 @@ pub struct Vehicle {
     pub vibration: Vibration,
     /// What the drone stands on.
     pub skids: Skids,
+    /// What its gyroscope shows at rest; nothing unless it is said.
+    #[serde(default)]
+    pub gyroscope: Gyroscope,
+    /// What bends the field at its magnetometer; nothing unless it is said.
+    #[serde(default)]
+    pub magnetometer: Magnetometer,
 }
 
 /// Rotors and motors, all alike.
@@ -179,6 +185,48 @@ pub struct Skids {
     /// Height of the centre of mass over the feet in m.
     #[serde(deserialize_with = "range::length")]
     pub height_m: f64,
+}
+
+/// What a gyroscope shows at rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Gyroscope {
+    /// Most on an axis at turn-on, by the seed, in deg/s.
+    #[serde(deserialize_with = "range::turn_on")]
+    pub turn_on_deg_s: f64,
+    /// By how much the die warms up in flight, in degrees Celsius: the output moves with it.
+    #[serde(deserialize_with = "range::warming")]
+    pub warm_up_c: f64,
+}
+
+/// What bends the field at a magnetometer: iron in the words of a board's file, and motors.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Magnetometer {
+    /// Field of the magnets that travel with it in gauss.
+    #[serde(deserialize_with = "range::hard_iron")]
+    pub hard_iron_gauss: [f64; 3],
+    /// Of the symmetric matrix that undoes what steel bends: xx, yy, zz.
+    #[serde(deserialize_with = "range::soft_iron_diagonal")]
+    pub soft_iron_diagonal: [f64; 3],
+    /// Of the same matrix: xy, xz, yz.
+    #[serde(deserialize_with = "range::soft_iron_off_diagonal")]
+    pub soft_iron_off_diagonal: [f64; 3],
+    /// Field of the motors' current in gauss for each A of all of them.
+    #[serde(deserialize_with = "range::motor_field")]
+    pub motor_gauss_per_a: [f64; 3],
+}
+
+impl Default for Magnetometer {
+    /// Nothing.
+    fn default() -> Self {
+        Self {
+            hard_iron_gauss: [0.0; 3],
+            soft_iron_diagonal: [1.0; 3],
+            soft_iron_off_diagonal: [0.0; 3],
+            motor_gauss_per_a: [0.0; 3],
+        }
+    }
 }
 
 impl Vehicle {

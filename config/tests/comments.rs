@@ -6,18 +6,26 @@ use std::path::Path;
 use reflex_settings::gains::LOGICS;
 use reflex_settings::{BOARD, Declared, INPUT, Kind, REACTIVE, SAFETY, Setting, Settings};
 
-/// The comment of a key: the lines above it and what follows its value, as one line.
+/// The comment of a key: the lines above it and what follows its value, as one line. Words that may
+/// be chosen for several keys stand once, at the head of their section.
 fn comment(text: &str, setting: &Setting) -> String {
     let section = format!("[{}]", setting.section);
     let body = text.split(&format!("\n{section}")).nth(1).expect(&section);
     let body = body.split("\n[").next().unwrap();
+    let head = body.trim_start().split("\n\n").next().unwrap_or_default();
+    let is_head = head.lines().all(|line| line.starts_with('#'));
+    let head = if is_head {
+        head.replace('#', "")
+    } else {
+        String::new()
+    };
     let mut above = String::new();
     for line in body.lines() {
         if let Some(words) = line.strip_prefix('#') {
             above += words;
         } else if line.starts_with(&format!("{} =", setting.key)) {
             let (_, behind) = line.split_once('#').unwrap_or_default();
-            return above + behind;
+            return head + &above + behind;
         } else {
             above.clear();
         }

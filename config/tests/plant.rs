@@ -60,52 +60,67 @@ fn spoilt(file: &str, from: &str, to: &str) -> String {
     error.to_string()
 }
 
+/// A file, a text of it, what stands there instead, and what is said of it.
+const WRONG: [[&str; 4]; 9] = [
+    [
+        "environments/arch.toml",
+        "mean_m_s = 5",
+        "mean_m_s = 50",
+        "wind.mean_m_s: 50.0 is out of range, must be 0 to 30 m/s",
+    ],
+    [
+        "environments/arch.toml",
+        "mean_m_s = 5",
+        "mean_m_s = nan",
+        "wind.mean_m_s: NaN is out of range",
+    ],
+    [
+        "positions/satellites.toml",
+        "delay_s = 0.12",
+        "delay_s = 12",
+        "delay_s: 12.0 is out of range, must be 0 to 0.5 s",
+    ],
+    [
+        "environments/arch.toml",
+        "area_m = 40",
+        "aera_m = 40",
+        "unknown field `aera_m`",
+    ],
+    [
+        "vehicles/y6.toml",
+        "mass_kg = 2.4",
+        "mass_kg = 0",
+        "mass_kg: 0.0 is out of range, must be 0.05 to 100 kg",
+    ],
+    [
+        "vehicles/y6.toml",
+        "lower = [2, 4, 6]",
+        "lower = [2, 4, 7]",
+        "rotors.lower.2: 7 is out of range, must be 1 to 6",
+    ],
+    [
+        "vehicles/y6.toml",
+        "[0.05, 3.55]",
+        "[0.0, 3.55]",
+        "battery.open_circuit: must be 1 to 64 pairs",
+    ],
+    [
+        "vehicles/y6.toml",
+        "turn_on_deg_s = 0",
+        "turn_on_deg_s = 61",
+        "gyroscope.turn_on_deg_s: 61.0 is out of range, must be 0 to 60 deg/s",
+    ],
+    [
+        "vehicles/y6.toml",
+        "motor_gauss_per_a = [0, 0, 0]",
+        "motor_gauss_per_a = [0, 2, 0]",
+        "magnetometer.motor_gauss_per_a: [0.0, 2.0, 0.0] is out of range, must be each -0.1 to 0.1",
+    ],
+];
+
 #[test]
 fn a_wrong_value_names_file_line_key_and_range() {
-    for (file, from, to, expected) in [
-        (
-            "environments/arch.toml",
-            "mean_m_s = 5",
-            "mean_m_s = 50",
-            "wind.mean_m_s: 50.0 is out of range, must be 0 to 30 m/s",
-        ),
-        (
-            "environments/arch.toml",
-            "mean_m_s = 5",
-            "mean_m_s = nan",
-            "wind.mean_m_s: NaN is out of range",
-        ),
-        (
-            "positions/satellites.toml",
-            "delay_s = 0.12",
-            "delay_s = 12",
-            "delay_s: 12.0 is out of range, must be 0 to 0.5 s",
-        ),
-        (
-            "environments/arch.toml",
-            "area_m = 40",
-            "aera_m = 40",
-            "unknown field `aera_m`",
-        ),
-        (
-            "vehicles/y6.toml",
-            "mass_kg = 2.4",
-            "mass_kg = 0",
-            "mass_kg: 0.0 is out of range, must be 0.05 to 100 kg",
-        ),
-        (
-            "vehicles/y6.toml",
-            "lower = [2, 4, 6]",
-            "lower = [2, 4, 7]",
-            "rotors.lower.2: 7 is out of range, must be 1 to 6",
-        ),
-        (
-            "vehicles/y6.toml",
-            "[0.05, 3.55]",
-            "[0.0, 3.55]",
-            "battery.open_circuit: must be 1 to 64 pairs",
-        ),
-    ] {
+    for [file, from, to, expected] in WRONG {
         let line = spoilt(file, from, to);
         assert!(
             line.contains(expected),

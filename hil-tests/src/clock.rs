@@ -1,4 +1,4 @@
-//! The date of today, and how long something took: the only times that are read on the host.
+//! The date of today, and how long something took: the only times read here.
 
 use std::time::Duration;
 

@@ -15,6 +15,9 @@
 //! any command that is still to come can apply, so that none comes late. Virtual time alone counts: the same
 //! options give the same flight, bit for bit.
 
+mod battery_report;
+mod battery_watch;
+mod bent_field;
 pub mod contention;
 mod desired;
 mod emulated;
@@ -32,7 +35,7 @@ mod sensed_motion;
 mod simulated_flight;
 mod station;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 pub mod track;
 mod tracker;
 mod world;
@@ -48,7 +51,7 @@ use crate::logics::GainSet;
 use crate::progress::Progress;
 use crate::record::Counted;
 
-use chip_models::ZeroRate;
+pub use battery_report::BatteryReport;
 use contention::Contention;
 pub use fault_report::{FaultReport, Outcome};
 pub use mission::Mission;
@@ -167,16 +170,13 @@ pub struct FlyOptions {
     pub faults: Script,
 }
 
-/// A drone that answers more strongly or later, by which margins are measured, or whose gyroscope
-/// drifts.
+/// A drone that answers more strongly or later, by which margins are measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stress {
     /// How many times the angular acceleration that its motors give it.
     pub gain: f64,
     /// How much later motor commands apply, s.
     pub delay_s: f64,
-    /// What the gyroscope shows at rest.
-    pub zero_rate: ZeroRate,
 }
 
 impl Default for Stress {
@@ -185,7 +185,6 @@ impl Default for Stress {
         Self {
             gain: 1.0,
             delay_s: 0.0,
-            zero_rate: ZeroRate::default(),
         }
     }
 }

@@ -16,6 +16,7 @@ mod info;
 mod log_arguments;
 mod logic_arguments;
 mod magnetometer;
+mod memory;
 mod profile;
 mod quantities;
 mod recorded_arguments;
@@ -70,6 +71,8 @@ enum Command {
     Bench(bench::BenchArguments),
     /// Count where the instructions of a flight go: by part of the firmware, function and task
     Profile(profile::ProfileArguments),
+    /// Measure flash, by part of the firmware, and RAM with each control logic
+    Memory(memory::MemoryArguments),
     /// Draw a control logic as a graph, for Graphviz and as SVG
     Graph(graph::GraphArguments),
     /// Try inputs that nobody meant on all that reads
@@ -102,6 +105,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Faults(arguments) => faults::run(arguments),
         Command::Bench(arguments) => bench::run(arguments),
         Command::Profile(arguments) => profile::run(arguments),
+        Command::Memory(arguments) => memory::run(arguments),
         Command::Graph(arguments) => graph::run(arguments),
         Command::Fuzz(arguments) => fuzz::run(arguments),
         Command::Magnetometer(arguments) => magnetometer::run(arguments),

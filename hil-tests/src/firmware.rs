@@ -22,6 +22,10 @@ const PARTS: (&str, &str) = ("reflex-bench", "parts");
 const LOGICS: (&str, &str) = ("reflex-bench", "logics");
 /// Package and binary of the program that compares two ways over whole flights.
 const FLIGHTS: (&str, &str) = ("reflex-bench", "flights");
+/// The feature, and the profile, of a build for a small board.
+const REDUCED: &str = "reduced";
+/// Bytes of its log's buffer.
+const REDUCED_LOG: u32 = 256;
 /// Where flash begins and ends on an STM32F427.
 const FLASH: std::ops::Range<u32> = 0x0800_0000..0x0820_0000;
 
@@ -54,11 +58,23 @@ impl Firmware {
     /// The target cannot be added (a refusal), the build fails, or it leaves no ELF file.
     pub fn build(logic: LogicName, progress: &mut dyn Progress) -> Result<Self> {
         progress.stage("Building the firmware");
+        let mut build = released();
+        choose(&mut build, logic);
+        Self::linked(build, (NAME, NAME), progress)
+    }
+
+    /// Builds the firmware as it is for a small board: nothing records calls, fewer candidates are learned
+    /// from, the log's buffer is short, and the compiler spares bytes.
+    ///
+    /// # Errors
+    /// As those of [`Self::build`].
+    pub fn build_reduced(logic: LogicName, progress: &mut dyn Progress) -> Result<Self> {
+        progress.stage("Building the reduced firmware");
         let mut build = toolchain::cargo();
-        // Named only where it is another: the variable alone would build everything anew.
-        if logic != LogicName::configured() {
-            build.env("REFLEX_LOGIC", logic.word());
-        }
+        choose(&mut build, logic);
+        build.env("DEFMT_RTT_BUFFER_SIZE", REDUCED_LOG.to_string());
+        build.env("DEFMT_LOG", "error");
+        build.args(["build", "--profile", REDUCED, "--features", REDUCED]);
         Self::linked(build, (NAME, NAME), progress)
     }
 
@@ -68,7 +84,7 @@ impl Firmware {
     /// As those of [`Self::build`].
     pub fn build_parts(progress: &mut dyn Progress) -> Result<Self> {
         progress.stage("Building the parts");
-        Self::linked(toolchain::cargo(), PARTS, progress)
+        Self::linked(released(), PARTS, progress)
     }
 
     /// Builds the program that runs every control logic in every way, for measurements.
@@ -77,7 +93,7 @@ impl Firmware {
     /// As those of [`Self::build`].
     pub fn build_logics(progress: &mut dyn Progress) -> Result<Self> {
         progress.stage("Building the control logics");
-        Self::linked(toolchain::cargo(), LOGICS, progress)
+        Self::linked(released(), LOGICS, progress)
     }
 
     /// Builds the program that compares a control logic by the clock with ours.
@@ -86,7 +102,7 @@ impl Firmware {
     /// As those of [`Self::build`].
     pub fn build_flights(progress: &mut dyn Progress) -> Result<Self> {
         progress.stage("Building the comparison of control logics");
-        Self::linked(toolchain::cargo(), FLIGHTS, progress)
+        Self::linked(released(), FLIGHTS, progress)
     }
 
     fn linked(
@@ -95,13 +111,7 @@ impl Firmware {
         progress: &mut dyn Progress,
     ) -> Result<Self> {
         toolchain::ensure_target(progress)?;
-        build.args([
-            "build",
-            "--release",
-            "--ignore-rust-version",
-            "--target",
-            TARGET,
-        ]);
+        build.args(["--ignore-rust-version", "--target", TARGET]);
         build.args(["--package", package, "--bin", name]);
         build.arg("--message-format=json-render-diagnostics");
         let messages = toolchain::run(&mut build, progress)?;
@@ -118,6 +128,20 @@ impl Firmware {
             fs::read(&path).with_context(|| format!("{} cannot be read", path.display()))?;
         let sizes = Sizes::of(&bytes).with_context(|| path.display().to_string())?;
         Ok(Self { path, bytes, sizes })
+    }
+}
+
+/// Cargo, to build as it is flashed.
+fn released() -> Command {
+    let mut build = toolchain::cargo();
+    build.args(["build", "--release"]);
+    build
+}
+
+/// Named only where it is another: the variable alone would build everything anew.
+fn choose(build: &mut Command, logic: LogicName) {
+    if logic != LogicName::configured() {
+        build.env("REFLEX_LOGIC", logic.word());
     }
 }
 

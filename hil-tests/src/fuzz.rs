@@ -1,7 +1,7 @@
 //! Fuzzing: inputs that nobody meant, made from a seed, for all that reads.
 //!
 //! A [`Target`] is something that takes bytes, with what must hold of it whatever they are. Its inputs are sound ones
-//! (`hil-tests/corpus/`, `config/`) spoilt by a few [edits](spoil), or made from random numbers by the rules of its
+//! (`hil-tests/corpus/`, `config/`) spoilt by a few edits, or made from random numbers by the rules of its
 //! format. Input `n` of a seed is the same on any machine, whichever came before it.
 //!
 //! Inputs are tried in a process of their own ([`worker`]), so that one that takes all memory, overflows the stack or

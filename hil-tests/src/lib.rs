@@ -32,6 +32,7 @@ pub mod ground_station;
 mod json;
 pub mod logics;
 mod magnetometer;
+mod mountings;
 mod native;
 mod output_file;
 mod parallel;

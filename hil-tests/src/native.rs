@@ -18,6 +18,8 @@
 mod agenda;
 mod board;
 mod events;
+mod gauge;
+mod imu_line;
 mod serial_line;
 mod timing;
 mod vectors;

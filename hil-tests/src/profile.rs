@@ -9,11 +9,13 @@
 //! |---|---|
 //! | `frames` | from an address to functions and modules |
 //! | `parts` | the table of parts |
+//! | `flash` | the same for the bytes of flash |
 //! | `stacks` | from counted addresses to stacks of functions |
 //! | `floats` | which instructions compute with floats |
 //! | `report`, `flame` | sums, as text and JSON; stacks, as a flame graph |
 
 mod flame;
+mod flash;
 mod floats;
 mod frames;
 mod parts;
@@ -26,6 +28,7 @@ use anyhow::{Context, Result, ensure};
 use reflex::settings::Policy;
 
 pub use flame::{figure, folded};
+pub use flash::{flash_of_parts, flash_part_names};
 pub use frames::Frame;
 pub use parts::{PARTS, REST};
 pub use report::{Profile, Share, Subject, TaskShare};

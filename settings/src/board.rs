@@ -139,18 +139,26 @@ pub const BOARD: &[Setting] = &[
         .default("2")
         .named("BATTERY_SMOOTHING")
         .meaning("Time constant over which voltage and current are smoothed."),
-    battery("low_v", Kind::Number(within(2.0, 60.0)), "V")
-        .default("10.5")
+    battery("cells", Kind::Count(within(0.0, 12.0)), "")
+        .default("0")
+        .named("BATTERY_CELLS")
+        .meaning("Cells in series; 0 where they are counted as the battery is connected."),
+    battery("full_v", Kind::Number(within(4.2, 4.5)), "V")
+        .default("4.3")
+        .named("BATTERY_FULL_V")
+        .meaning("Voltage that no cell passes: cells are counted by it."),
+    battery("low_v", Kind::Number(within(2.0, 4.2)), "V")
+        .default("3.5")
         .named("BATTERY_LOW_V")
-        .meaning("Voltage below which the battery is low."),
-    battery("critical_v", Kind::Number(within(2.0, 60.0)), "V")
-        .default("9.9")
+        .meaning("Voltage of a cell below which the battery is low."),
+    battery("critical_v", Kind::Number(within(2.0, 4.2)), "V")
+        .default("3.3")
         .named("BATTERY_CRITICAL_V")
-        .meaning("Voltage below which the battery is nearly empty."),
-    battery("margin_v", Kind::Number(within(0.0, 5.0)), "V")
-        .default("0.3")
+        .meaning("Voltage of a cell below which the battery is nearly empty."),
+    battery("margin_v", Kind::Number(within(0.0, 0.5)), "V")
+        .default("0.1")
         .named("BATTERY_MARGIN_V")
-        .meaning("Voltage above a limit at which the battery counts as recovered."),
+        .meaning("Voltage of a cell above a limit at which the battery counts as recovered."),
     battery("least_v", Kind::Number(within(1.0, 60.0)), "V")
         .default("5")
         .named("BATTERY_LEAST_V")

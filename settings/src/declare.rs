@@ -238,7 +238,7 @@ impl Field for Inputs {
 
     fn read(take: &mut impl FnMut() -> Option<[u8; 4]>) -> Option<Self> {
         let bits = u32::read(take)?.try_into().ok()?;
-        // A bit of no input is a mistake: of another version, or of whoever wrote the block.
+        // Where a bit belongs to no input, another version wrote the block, or somebody made a mistake.
         Some(Self::from_bits(bits)).filter(|inputs| inputs.bits() == bits)
     }
 }

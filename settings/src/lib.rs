@@ -21,6 +21,7 @@ mod parameter;
 mod range;
 mod reactive;
 mod safety;
+mod sensors;
 mod setting;
 mod settings;
 mod text;
@@ -38,6 +39,9 @@ pub use parameter::Parameter;
 pub use range::{Range, above, between, from_below, one_of, within};
 pub use reactive::{INPUT, REACTIVE, of_input};
 pub use safety::SAFETY;
+pub use sensors::{
+    HARD_IRON, MOTOR_FIELD, SOFT_IRON_DIAGONAL, SOFT_IRON_OFF_DIAGONAL, TURN_ON, WARMING,
+};
 pub use setting::{Kind, Limit, Limits, OutOfRange, Path, Setting, Value, Written};
 pub use settings::{LARGEST_TRIM, Settings, WarmUp};
 pub use text::Unreadable;

@@ -41,7 +41,7 @@ impl<G: Gains> Start<G> {
 
     /// Hands on, as parameters, what differs from another start.
     #[inline(never)]
-    pub fn beyond(&self, base: &Self, take: &mut dyn FnMut(Parameter)) {
+    pub fn beyond(&self, base: &Self, take: &mut impl FnMut(Parameter)) {
         differences(&self.words(), &base.words(), &G::DECLARED, take);
     }
 
@@ -71,7 +71,7 @@ fn replace(words: &mut Words, gains: &LogicGains, parameters: &[Parameter]) -> u
 }
 
 #[inline(never)]
-fn differences(words: &[u8], base: &[u8], gains: &LogicGains, take: &mut dyn FnMut(Parameter)) {
+fn differences(words: &[u8], base: &[u8], gains: &LogicGains, take: &mut impl FnMut(Parameter)) {
     let (words, base) = (words.as_chunks().0, base.as_chunks().0);
     let mut pairs = words.iter().zip(base);
     each_number(gains, &mut |number| match pairs.next() {
@@ -85,13 +85,13 @@ fn differences(words: &[u8], base: &[u8], gains: &LogicGains, take: &mut dyn FnM
 
 /// Hands on the number of every word of a start, in order.
 #[inline(never)]
-fn each_number(gains: &LogicGains, take: &mut dyn FnMut(u32)) {
+fn each_number(gains: &LogicGains, take: &mut impl FnMut(u32)) {
     each_of("", Settings::SETTINGS, take);
     (0..Airframe::WORDS as u8).for_each(|word| take(number(["airframe", "", "", ""], [0, word])));
     each_of(gains.logic, gains.gains, take);
 }
 
-fn each_of(logic: &str, settings: &[Setting], take: &mut dyn FnMut(u32)) {
+fn each_of(logic: &str, settings: &[Setting], take: &mut impl FnMut(u32)) {
     for setting in settings {
         let names = [logic, setting.section, setting.key, setting.unit];
         for axis in 0..setting.kind.numbers() as u8 {

@@ -5,6 +5,7 @@ use crate::declare;
 use crate::declare::{Declared, Field};
 use crate::inputs::Inputs;
 use crate::range::{above, between, within};
+use crate::sensors::{HARD_IRON, SOFT_IRON_DIAGONAL, SOFT_IRON_OFF_DIAGONAL};
 use crate::setting::{Kind, Limit, Limits, OutOfRange, Setting, Value};
 use crate::time::{Duration, micros};
 
@@ -87,18 +88,17 @@ declare! {
             .default("[0, 0, 0]"),
         /// Field of the magnets that travel with the magnetometer, in body axes.
         hard_iron: [f32; 3] = Setting::of(
-            ["magnetometer", "hard_iron_gauss"], Kind::Axes(within(-4.0, 4.0)), "gauss")
+            ["magnetometer", "hard_iron_gauss"], Kind::Axes(HARD_IRON), "gauss")
             .of_board()
             .default("[0, 0, 0]"),
-        // With these ranges the matrix always has an inverse.
         /// Of the symmetric matrix that undoes what steel bends: xx, yy, zz.
         soft_iron_diagonal: [f32; 3] = Setting::of(
-            ["magnetometer", "soft_iron_diagonal"], Kind::Axes(within(0.5, 2.0)), "")
+            ["magnetometer", "soft_iron_diagonal"], Kind::Axes(SOFT_IRON_DIAGONAL), "")
             .of_board()
             .default("[1, 1, 1]"),
         /// Of the same matrix: xy, xz, yz.
         soft_iron_off_diagonal: [f32; 3] = Setting::of(
-            ["magnetometer", "soft_iron_off_diagonal"], Kind::Axes(within(-0.2, 0.2)), "")
+            ["magnetometer", "soft_iron_off_diagonal"], Kind::Axes(SOFT_IRON_OFF_DIAGONAL), "")
             .of_board()
             .default("[0, 0, 0]"),
     }

@@ -10,7 +10,7 @@ mod level_first;
 
 use super::MotorShares;
 use crate::config::GEOMETRY;
-use crate::math::{max, min};
+use crate::math::{max, min, towards};
 use crate::settings::{Airframe, MOST_MOTORS};
 use crate::units::{Thrust, TorqueDemand};
 
@@ -69,10 +69,10 @@ impl Asked {
     /// Part of the way to another.
     #[must_use]
     pub fn towards(&self, other: &Self, share: f32) -> Self {
-        let ([x, y], [to_x, to_y]) = (self.torque, other.torque);
+        let [lift] = towards([self.lift], [other.lift], share);
         Self {
-            torque: [x + (to_x - x) * share, y + (to_y - y) * share],
-            lift: self.lift + (other.lift - self.lift) * share,
+            torque: towards(self.torque, other.torque, share),
+            lift,
         }
     }
 

@@ -15,10 +15,11 @@
 //! one motor. What pushes a body from outside is answered by control at once; against a lost
 //! motor, or by wrong rates, the more is asked for the less comes of it. A body that does not do
 //! as it is asked even when all is well, as that of a recorded flight, says nothing about motors:
-//! a loss is seen only where both agreed before.
+//! a verdict counts only where both agreed before. Wrong rates count as well in the first seconds
+//! in the air, as those of a sensor that was mounted another way.
 
 use crate::airframe::{Asked, Mixer};
-use crate::math::{Vec3, max, min, sqrt};
+use crate::math::{RunningMean, Vec3, max, sqrt, towards};
 use crate::time::{Duration, Instant, micros, seconds, span};
 
 /// Between two looks.
@@ -31,6 +32,8 @@ const LAG: f32 = 0.03;
 const TRIM: f32 = 2.0;
 const NOW: f32 = 0.08;
 const USUAL: f32 = 5.0;
+/// So long (s) a drone is new in the air: a sensor that was mounted another way shows at once.
+const FIRST: f32 = 2.0;
 /// Time constants (s) that take the noise off motion, and off lift.
 const SMOOTH: f32 = 0.05;
 const SMOOTH_LIFT: f32 = 0.03;
@@ -44,7 +47,7 @@ const ANSWERED: f32 = 4.0;
 /// of a body that usually does as it is asked.
 const AGAINST: f32 = -0.5;
 const REVERSED: f32 = -0.8;
-const AGREES: f32 = 0.04;
+const AGREES: f32 = 0.09;
 /// How fast the last fades, in 1/s: what is lost spoils it at once.
 const FADING: f32 = 0.1;
 /// For so many looks in a row.
@@ -102,9 +105,8 @@ pub struct Response {
     given: Asked,
     /// The torque that balances the body.
     trim: [f32; 2],
-    /// Mean lift (m/s2) of a whole share, and the time (s) behind it.
-    lift: f32,
-    flown: f32,
+    /// Of the lift (m/s2) of a whole share, in flight.
+    lift: RunningMean,
     /// How many motors' lift is missing.
     missing: f32,
     asked: [f32; 2],
@@ -179,17 +181,18 @@ impl Response {
         self.reversed = counted(self.reversed, large && cosine < REVERSED);
     }
 
-    /// The mean of the flight so far, at first.
     fn weigh_lift(&mut self, felt: f32, dt: f32, motors: usize) {
         let lift = felt / max(self.given.lift, LEAST_LIFT);
-        self.flown = min(self.flown + dt, USUAL);
-        self.lift += (lift - self.lift) * (dt / self.flown);
-        let missing = (1.0 - lift / max(self.lift, 1.0)) * motors as f32;
+        self.lift.take(lift, dt, USUAL);
+        let missing = (1.0 - lift / max(self.lift.value(), 1.0)) * motors as f32;
         self.missing += (missing - self.missing) * (dt / (SMOOTH_LIFT + dt));
     }
 
     fn judge(&mut self, mixer: &Mixer) -> Option<Unanswered> {
-        let agreed = self.agreed > AGREES && ONE_MOTOR.contains(&self.missing);
+        let answered = self.agreed > AGREES;
+        // In a shorter time gusts agree by chance.
+        let known = answered && self.lift.behind() >= USUAL;
+        let agreed = known && ONE_MOTOR.contains(&self.missing);
         let [x, y] = self.leaning;
         self.leant = counted(self.leant, agreed && x * x + y * y > LEANT * LEANT);
         let held_up = Vec3::new(x, y, 0.0);
@@ -200,7 +203,9 @@ impl Response {
         } else {
             None
         };
-        let wrong = self.reversed >= LOOKS_REVERSED && self.missing < ONE_MOTOR.start;
+        let judged = answered || self.lift.behind() < FIRST;
+        let lifts = self.missing < ONE_MOTOR.start;
+        let wrong = self.reversed >= LOOKS_REVERSED && lifts && judged;
         lost.map(Unanswered::Motor)
             .or(wrong.then_some(Unanswered::Rates))
     }
@@ -230,10 +235,6 @@ impl Response {
 /// How many looks in a row something has held.
 fn counted(looks: u8, holds: bool) -> u8 {
     if holds { looks.saturating_add(1) } else { 0 }
-}
-
-fn towards([x, y]: [f32; 2], [to_x, to_y]: [f32; 2], share: f32) -> [f32; 2] {
-    [x + (to_x - x) * share, y + (to_y - y) * share]
 }
 
 #[cfg(test)]

@@ -20,11 +20,15 @@ use crate::math::Vec3;
 use crate::settings::{Pairs, Reference};
 use crate::time::{Duration, Instant, span};
 
-/// Number of candidate thresholds, and of lags.
-const CANDIDATES: usize = 12;
-
-/// From one lag to the next, in hyperperiods: 12 lags from 1 to 90.
-const LAG_STEP: f32 = 1.506;
+/// Number of candidate thresholds, and of lags; and from one lag to the next, in hyperperiods: from 1 to 90.
+///
+/// They take most of the autopilot's memory: a reduced build learns from fewer.
+const CANDIDATES: usize = if cfg!(feature = "reduced") { 4 } else { 12 };
+const LAG_STEP: f32 = if cfg!(feature = "reduced") {
+    4.481
+} else {
+    1.506
+};
 
 /// A command in force and the sample behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]

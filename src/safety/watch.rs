@@ -10,7 +10,7 @@ use crate::config::{
     BLIND_TIME, DESCENT_SPEED, DESCENT_THRUST, DESCENT_TIME, LONGEST_ON_GROUND, UPSET_TILT,
     UPSET_TIME, WAITING_TIME,
 };
-use crate::math::{between, min, sin_cos};
+use crate::math::{RunningMean, between, sin_cos};
 use crate::time::{Duration, Instant, seconds, span};
 use crate::units::Thrust;
 
@@ -26,10 +26,8 @@ pub struct Watch {
     ground: Ground,
     hold: Hold,
     upset: Lasting,
-    /// Mean thrust flown, as a share.
-    mean_thrust: f32,
-    /// Time (s) behind that mean, up to its time constant.
-    flown: f32,
+    /// Of the thrust flown, as a share.
+    mean_thrust: RunningMean,
     /// Cosine of the tilt of an upset.
     upset_cosine: f32,
     /// How long the motor that is tested turns.
@@ -45,8 +43,7 @@ impl Default for Watch {
             ground: Ground::default(),
             hold: Hold::default(),
             upset: Lasting::default(),
-            mean_thrust: 0.0,
-            flown: 0.0,
+            mean_thrust: RunningMean::default(),
             upset_cosine: sin_cos(UPSET_TILT.to_radians()).1,
             test_length: Duration::from_ticks(0),
         }
@@ -61,7 +58,7 @@ impl Watch {
         if !state.is_in_the_air() {
             self.ground = Ground::default();
             self.upset = Lasting::default();
-            self.flown = 0.0;
+            self.mean_thrust.begin_anew();
         }
         if state == FlightState::Waiting {
             self.hold = Hold::default();
@@ -81,10 +78,11 @@ impl Watch {
         if !state.is_armed() {
             return self.is_over(state, seen).then_some(FlightEvent::TimeUp);
         }
-        let stands = Ground::stands(seen, self.mean_thrust);
+        let stands = Ground::stands(seen, self.mean_thrust.value());
         // What stands on the ground says nothing of hovering.
         if state == FlightState::Flying && !stands {
-            self.average(seen.thrust.share(), dt);
+            let thrust = seen.thrust.share();
+            self.mean_thrust.take(thrust, dt, MEAN_THRUST_OVER);
         }
         let shown = self.ground.take(seen, dt, stands);
         if shown.is_some_and(|event| state.after(event) != Ok(state)) {
@@ -94,14 +92,6 @@ impl Watch {
             return Some(FlightEvent::Upset);
         }
         self.is_over(state, seen).then_some(FlightEvent::TimeUp)
-    }
-
-    /// The first of it is a mean over the flight so far.
-    fn average(&mut self, thrust: f32, dt: f32) {
-        self.flown = min(self.flown + dt, MEAN_THRUST_OVER);
-        if self.flown > 0.0 {
-            self.mean_thrust += (thrust - self.mean_thrust) * min(dt / self.flown, 1.0);
-        }
     }
 
     fn is_upset(&mut self, seen: &Seen) -> bool {
@@ -140,7 +130,7 @@ impl Watch {
             _ => (0.0, 1.0),
         };
         let share = sinking.map_or(unseen, |sinking| self.hold.thrust(now, speed, sinking));
-        Thrust::new(between(self.mean_thrust * share, 0.0, 1.0)).unwrap_or_default()
+        Thrust::new(between(self.mean_thrust.value() * share, 0.0, 1.0)).unwrap_or_default()
     }
 }
 

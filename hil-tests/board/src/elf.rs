@@ -227,11 +227,25 @@ impl Elf {
 
     /// Name of the function that handles an exception, by its number.
     pub fn handler(&self, exception: u16) -> Option<&str> {
+        let address = self.vectors()?.get(usize::from(exception)).copied()?;
+        self.function_at(address & !1)
+    }
+
+    /// Address of every function that handles an exception, some more than once.
+    pub fn handlers(&self) -> impl Iterator<Item = u32> {
+        // Stack and reset come first; a vector that is none is 0.
+        let vectors = self.vectors().unwrap_or_default();
+        let handlers = vectors.into_iter().skip(2);
+        handlers
+            .filter(|address| *address != 0)
+            .map(|address| address & !1)
+    }
+
+    fn vectors(&self) -> Option<Vec<u32>> {
         let file = object::File::parse(&*self.bytes).ok()?;
         let vectors = file.section_by_name(".vector_table")?.data().ok()?;
-        let (words, _) = vectors.as_chunks();
-        let address = u32::from_le_bytes(*words.get(usize::from(exception))?);
-        self.function_at(address & !1)
+        let words = vectors.as_chunks().0.iter();
+        Some(words.map(|word| u32::from_le_bytes(*word)).collect())
     }
 }
 

@@ -21,8 +21,8 @@
 //! | `run_loop`, `health`, `memory` | polls, faults, stack |
 //! | `batch` | what crosses between the two threads |
 //!
-//! **Not played**: cycles beyond one per instruction (no wait states, no
-//! stacking time), DMA arbitration, noise on lines, the pins' analogue side.
+//! **Not played**: cycles beyond one per instruction (no wait states; those of
+//! exceptions are charged from their count), DMA arbitration, noise on lines, the pins' analogue side.
 
 mod batch;
 mod bus_fault;
@@ -69,7 +69,7 @@ use self::meter::SharedMeter;
 use self::part::{Part, Rig};
 use self::run_loop::RunLoop;
 use super::log::LogDecoder;
-use super::{Board, Elf, Fault, FaultKind, Load, Observer, Options, Outcome};
+use super::{Board, Elf, Fault, FaultKind, Load, LoadSample, Observer, Options, Outcome};
 
 /// Messages that may wait for the host before the core waits for it.
 const MESSAGES_AHEAD: usize = 16;
@@ -82,7 +82,7 @@ pub struct EmulatedBoard {
     messages: Receiver<Message>,
     log: LogDecoder,
     last_error: Option<String>,
-    load: Vec<(u64, u64)>,
+    load: Vec<LoadSample>,
     instructions_per_second: NonZeroU64,
     now_ns: u64,
     fault: Option<Fault>,
@@ -117,7 +117,7 @@ impl EmulatedBoard {
             messages,
             log,
             last_error: None,
-            load: vec![(0, 0)],
+            load: vec![LoadSample::default()],
             instructions_per_second,
             now_ns: 0,
             fault: None,
@@ -171,9 +171,13 @@ impl EmulatedBoard {
             }
             observer.log(&line);
         }
-        let due = self.load.last().map_or(0, |last| last.0 + LOAD_PERIOD_NS);
+        let due = (self.load.last()).map_or(0, |last| last.at_ns + LOAD_PERIOD_NS);
         if batch.at_ns >= due || batch.reached && batch.instructions > 0 {
-            self.load.push((batch.at_ns, batch.instructions));
+            self.load.push(LoadSample {
+                at_ns: batch.at_ns,
+                instructions: batch.instructions,
+                exceptions: batch.exceptions,
+            });
         }
         observer.progress(batch.at_ns, batch.instructions);
         match batch.fault {

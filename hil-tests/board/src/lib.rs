@@ -25,7 +25,9 @@ pub use emulated::{BusFault, Disturbance, SensorLine};
 pub use fault::{Fault, FaultKind};
 pub use log::LogLine;
 pub use motors::{MOTORS, MotorWrite};
-pub use outcome::{LinkUse, Load, Outcome, StackUse};
+pub use outcome::{
+    ENTRY_CYCLES, EXCEPTION_CYCLES, EXIT_CYCLES, LinkUse, Load, LoadSample, Outcome, StackUse,
+};
 pub use tally::{Came, Tally};
 
 /// Symbol of the call log ring that the firmware keeps for its observer.
@@ -116,6 +118,8 @@ pub struct Options {
     pub watches: Vec<Watched>,
     /// Memory that is filled while the program runs.
     pub feed: Option<Feed>,
+    /// Nobody reads the log: what the firmware writes stays in the ring.
+    pub log_is_unread: bool,
     /// The program is an autopilot: it keeps a call log, and falls silent only by a fault.
     pub flies: bool,
     /// Instructions that the core executes in a second without sleep; one per cycle of 168 MHz.
@@ -142,6 +146,7 @@ impl Default for Options {
             survives: false,
             watches: Vec::new(),
             feed: None,
+            log_is_unread: false,
             flies: true,
             instructions_per_second: NonZeroU64::new(168_000_000).expect("not zero"),
             bus_faults: Vec::new(),

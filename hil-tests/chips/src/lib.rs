@@ -31,7 +31,7 @@ pub mod testing;
 
 pub use bus::{Chip, I2cChip, SpiChip};
 pub use mpu6050::Mpu6050;
-pub use options::{ChipOptions, Present, ZeroRate};
+pub use options::{Axes, ChipOptions, Present, ZeroRate};
 pub use own_clock::{Die, OwnClock};
 pub use shared::SharedChips;
 pub use stimulus::{Sensor, Stimulus, StimulusSource};

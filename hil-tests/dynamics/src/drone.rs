@@ -20,6 +20,8 @@ mod watch;
 
 use watch::Watch;
 
+/// What is left of a battery's voltage at least, V: currents follow from powers.
+const LEAST_VOLTAGE: f64 = 0.1;
 /// Longest step of the integrator, s; a longer advance is split into equal ones.
 const LONGEST_STEP: f64 = 1e-3;
 /// Longest advance, s.
@@ -68,6 +70,8 @@ pub struct Drone {
     watch: Watch,
     /// Share of its thrust that each motor gives.
     strengths: [f64; MAX_MOTORS],
+    /// What the battery lacks of the voltage that its charge has, V.
+    sag: f64,
 }
 
 impl Drone {
@@ -108,6 +112,7 @@ impl Drone {
             },
             watch: Watch::default(),
             strengths: [1.0; MAX_MOTORS],
+            sag: 0.0,
             frame,
         };
         drone.ground.settle(&state, &state, &mut drone.anchors);
@@ -151,12 +156,13 @@ impl Drone {
         }
     }
 
-    /// The battery holds at most this share of its charge from now on, and has an inner resistance of its own,
-    /// ohm.
-    pub fn wear_battery(&mut self, most_charge: f64, resistance: f64) {
+    /// The battery holds at most this share of its charge from now on, has an inner resistance of its own, ohm,
+    /// and gives some volts less than its charge says.
+    pub fn wear_battery(&mut self, most_charge: f64, resistance: f64, sag: f64) {
         let charge = &mut self.state.state_of_charge;
         *charge = charge.min(most_charge.clamp(0.0, 1.0));
         self.frame.vehicle.battery.resistance = resistance.clamp(0.0, 10.0);
+        self.sag = sag.max(0.0);
     }
 
     /// What the sensors read now.
@@ -187,6 +193,12 @@ impl Drone {
     /// Electric power drawn from the battery, W.
     pub fn power(&self) -> f64 {
         self.loads.power
+    }
+
+    /// Current of all motors, A.
+    pub fn motor_current(&self) -> f64 {
+        let of_motors = self.loads.power - self.frame.vehicle.propulsion.electronics;
+        of_motors.max(0.0) / self.loads.volts
     }
 
     /// True while a foot or a hub touches the ground.
@@ -242,6 +254,12 @@ impl Drone {
         sought
     }
 
+    fn open_voltage(&self) -> f64 {
+        let battery = &self.frame.vehicle.battery;
+        let charged = battery.open_circuit_voltage(self.state.state_of_charge);
+        (charged - self.sag).max(LEAST_VOLTAGE)
+    }
+
     fn motion(&self, wind: Vector3<f64>, sought: [f64; MAX_MOTORS]) -> Motion<'_> {
         Motion {
             frame: &self.frame,
@@ -249,11 +267,7 @@ impl Drone {
             anchors: &self.anchors,
             wind,
             sought,
-            open_voltage: self
-                .frame
-                .vehicle
-                .battery
-                .open_circuit_voltage(self.state.state_of_charge),
+            open_voltage: self.open_voltage(),
             loads: Cell::new(self.loads),
         }
     }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use reflex::app::{Call, Fault, Telemetry};
+use reflex::battery::BatteryState;
 use reflex::settings::MotorProtocol;
 
 use super::Core;
@@ -143,6 +144,14 @@ impl FlyingBoard for FlyingEmulatedBoard {
         self.mirror.autopilot().faults(fault)
     }
 
+    fn measure(&mut self, [voltage_mv, current_mv]: [u32; 2]) {
+        self.board.measure(voltage_mv, current_mv);
+    }
+
+    fn battery(&self) -> BatteryState {
+        self.mirror.autopilot().battery().state()
+    }
+
     fn update_offset_ns(&self) -> u64 {
         let newest = self.observation.motors.last();
         newest.map_or(0, |write| {
@@ -177,6 +186,8 @@ impl FlyingBoard for FlyingEmulatedBoard {
         }
         let cpu = Cpu {
             busy_fraction: outcome.load.busy_fraction(from_ns),
+            exceptions_per_second: outcome.load.exceptions_per_second(from_ns),
+            busy_with_exceptions: outcome.load.busy_with_exceptions(from_ns),
         };
         let counted = |from: CountedFrom| from.to_end(&self.observation, &outcome);
         Ok(Ended {

@@ -2,6 +2,7 @@
 
 use flight_dynamics::Drone;
 use reflex::app::{Fault, Telemetry};
+use reflex::battery::BatteryState;
 use reflex::safety::FlightState;
 
 use super::fault_report::{FaultReport, Outcome};
@@ -39,6 +40,7 @@ type Counts = [u32; Fault::COUNT];
 struct Usual {
     counts: Counts,
     telemetry: Telemetry,
+    battery: BatteryState,
 }
 
 impl FaultWatch {
@@ -79,8 +81,13 @@ impl FaultWatch {
     pub(super) fn look(&mut self, now_ns: u64, board: &dyn FlyingBoard, drone: &Drone) {
         let telemetry = board.telemetry();
         let counts = Fault::ALL.map(|fault| board.counted(fault));
+        let battery = board.battery();
         let Some(usual) = self.usual.as_ref().filter(|_| now_ns > self.from_ns) else {
-            self.usual = Some(Usual { counts, telemetry });
+            self.usual = Some(Usual {
+                counts,
+                telemetry,
+                battery,
+            });
             return;
         };
         if self.ended.is_some() {
@@ -91,11 +98,11 @@ impl FaultWatch {
         let tilt = drone.state().tilt().to_degrees();
         self.largest_tilt = self.largest_tilt.max(tilt);
         let before = std::mem::replace(&mut self.newest, counts);
-        if usual.is_noticed(&before, &counts, &telemetry) {
+        if usual.is_noticed(&before, &counts, &telemetry) || battery > usual.battery {
             self.noticed_ns = now_ns;
         }
         if self.detected.is_none() {
-            let news = usual.news(&counts, &telemetry);
+            let news = usual.news(&counts, &telemetry, battery);
             self.detected = news.map(|news| (now_ns, news));
         }
         if self.states.last() != Some(&telemetry.state) {
@@ -147,12 +154,21 @@ fn millis(ns: u64) -> f64 {
 }
 
 impl Usual {
-    /// What the flight had not shown before: a kind of fault that was never counted, another state, another phase.
+    /// What the flight had not shown before: a kind of fault that was never counted, an emptier battery, another
+    /// state, another phase.
     ///
     /// Kinds that were counted before are no news: some are in every flight in wind.
-    fn news(&self, counts: &Counts, telemetry: &Telemetry) -> Option<String> {
+    fn news(
+        &self,
+        counts: &Counts,
+        telemetry: &Telemetry,
+        battery: BatteryState,
+    ) -> Option<String> {
         if let Some(fault) = self.new_kinds(counts).next() {
             return Some(format!("{fault:?}"));
+        }
+        if battery > self.battery {
+            return Some(format!("Battery{battery:?}"));
         }
         if telemetry.state != self.telemetry.state {
             return Some(format!("{:?}", telemetry.state));

@@ -15,9 +15,25 @@ use crate::scoring::Tier;
 const RESERVE: f64 = 0.2;
 
 /// The scored part of a flight that was flown to its end.
-struct Whole<'f> {
-    scored: &'f Scored,
+struct Whole {
     length_s: f64,
+    energy_j: f64,
+    charge: f64,
+    wind_m_s: f64,
+}
+
+impl Whole {
+    /// None where it has no length.
+    fn of(scored: &Scored) -> Option<Self> {
+        let Scored { from, to, .. } = scored;
+        let length_s = (to.at_ns - from.at_ns) as f64 * 1e-9;
+        (length_s > 0.0).then(|| Self {
+            length_s,
+            energy_j: to.energy_j - from.energy_j,
+            charge: from.charge - to.charge,
+            wind_m_s: scored.wind_sum / scored.looks as f64,
+        })
+    }
 }
 
 impl SimulatedFlight<'_> {
@@ -32,27 +48,19 @@ impl SimulatedFlight<'_> {
         flyer: Flyer<'_>,
     ) -> Result<(FlightReport, Option<Counted>)> {
         let (options, crash) = (self.options, self.crash());
-        let whole = self.whole().filter(|_| crash.is_none());
-        let state = self.world.state();
-        let energy_j = state.energy_used;
-        let power_w = whole
-            .as_ref()
-            .map(|whole| (energy_j - whole.scored.energy_j) / whole.length_s);
-        let flight_time_s = whole.as_ref().map(|whole| {
-            let charge_per_s = (whole.scored.charge - state.state_of_charge) / whole.length_s;
-            (1.0 - RESERVE) / charge_per_s
-        });
-        let wind_m_s = whole
-            .as_ref()
-            .map(|whole| whole.scored.wind_sum / whole.scored.looks as f64);
+        let whole = self.scored.as_ref().and_then(Whole::of);
+        let whole = whole.filter(|_| crash.is_none());
         let is_whole = whole.is_some();
         let attitude_error_deg = self.errors(is_whole);
         let position_error_m = self.measures.position.value().filter(|_| is_whole);
         let turning_rad_s = self.measures.turning.value().filter(|_| is_whole);
-        let control = self.control(whole.map(|whole| whole.length_s));
+        let control = self.control(whole.as_ref().map(|whole| whole.length_s));
         let faults = self.watch.as_ref().map(FaultWatch::report);
         let duration_s = self.since_take_off_s().max(0.0);
-        let from_ns = self.scored.as_ref().map(|scored| scored.from_ns);
+        let drone = self.world.drone();
+        let energy_j = drone.state().energy_used;
+        let battery = self.battery.report(drone, since_take_off_s);
+        let from_ns = self.scored.as_ref().map(|scored| scored.from.at_ns);
         let ended = self.board.finish(from_ns.unwrap_or_default())?;
         let (tier, clock_mhz) = match flyer {
             Flyer::Native => (Tier::Native, 168),
@@ -83,19 +91,16 @@ impl SimulatedFlight<'_> {
             control,
             cpu: ended.cpu,
             energy_j,
-            energy_per_minute_j: power_w.map(|power| power * 60.0),
-            flight_time_s,
-            wind_m_s,
+            energy_per_minute_j: (whole.as_ref())
+                .map(|whole| 60.0 * whole.energy_j / whole.length_s),
+            flight_time_s: (whole.as_ref())
+                .map(|whole| (1.0 - RESERVE) * whole.length_s / whole.charge),
+            wind_m_s: whole.as_ref().map(|whole| whole.wind_m_s),
+            battery,
             faults,
             digest: ended.digest,
         };
         Ok((report, ended.counted))
-    }
-
-    fn whole(&self) -> Option<Whole<'_>> {
-        let scored = self.scored.as_ref()?;
-        let length_s = (self.now_ns - scored.from_ns) as f64 * 1e-9;
-        (length_s > 0.0).then_some(Whole { scored, length_s })
     }
 
     fn errors(&self, is_whole: bool) -> AxisErrors {

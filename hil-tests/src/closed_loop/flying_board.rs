@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use reflex::app::{Fault, Ran, Telemetry};
+use reflex::battery::BatteryState;
 
 use super::desired::Desired;
 use super::report::Cpu;
@@ -52,6 +53,12 @@ pub(super) trait FlyingBoard {
 
     /// How often the firmware counted a fault.
     fn counted(&self, fault: Fault) -> u32;
+
+    /// What the battery's divider and shunt put on their pins from now on, mV.
+    fn measure(&mut self, pins_mv: [u32; 2]);
+
+    /// How full the firmware takes the battery for.
+    fn battery(&self) -> BatteryState;
 
     /// The longest time that a task kept a bus, ns, where that is known.
     fn longest_transfer_ns(&self) -> Option<u64> {

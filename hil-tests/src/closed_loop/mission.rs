@@ -2,9 +2,11 @@
 //!
 //! The point climbs to flying height, then hovers or goes round waypoints. It slows down for
 //! corners, and waits for a drone that falls behind, as the leash of an autopilot's waypoint
-//! controller does. It knows the true place of the drone, so that what is asked of the drone does
-//! not depend on what is told to it. The heading stays north: some logics turn at a few degrees
-//! per second only.
+//! controller does. It knows the drone's true place: errors of the places that the drone is told
+//! change no goal. The heading stays north, as some logics turn at a few degrees per second only;
+//! the mission `turn` turns slowly.
+
+use std::f64::consts::TAU;
 
 use clap::ValueEnum;
 use nalgebra::{Vector2, Vector3};
@@ -23,6 +25,8 @@ const CLIMB_M_S: f64 = 1.0;
 const ACCELERATION_M_S2: f64 = 1.0;
 /// How far the drone may be behind before the point slows, and before it stops, m.
 const LEASH_M: [f64; 2] = [1.0, 3.0];
+/// How fast the heading turns where that is the mission, rad/s: once a minute.
+const TURN_RAD_S: f64 = TAU / 60.0;
 /// Two waypoints are at least this share of the area's side apart.
 const NEAREST: f64 = 0.25;
 
@@ -31,6 +35,8 @@ const NEAREST: f64 = 0.25;
 pub enum Mission {
     /// Hover above the start.
     Hover,
+    /// Hover above the start, and turn to the right, once a minute.
+    Turn,
     /// Loop over 8 random waypoints at up to 3 m/s.
     Waypoints,
 }
@@ -41,6 +47,7 @@ impl Mission {
     pub fn name(self) -> &'static str {
         match self {
             Self::Hover => "hover",
+            Self::Turn => "turn",
             Self::Waypoints => "waypoints",
         }
     }
@@ -62,6 +69,7 @@ pub struct Target {
 pub struct Course {
     /// Empty for hovering.
     corners: Vec<Vector2<f64>>,
+    turn_rad_s: f64,
     next: usize,
     speed: f64,
     target: Target,
@@ -73,8 +81,12 @@ impl Course {
     pub fn new(mission: Mission, side_m: f64, seed: u64) -> Self {
         Self {
             corners: match mission {
-                Mission::Hover => Vec::new(),
+                Mission::Hover | Mission::Turn => Vec::new(),
                 Mission::Waypoints => waypoints(side_m, seed),
+            },
+            turn_rad_s: match mission {
+                Mission::Turn => TURN_RAD_S,
+                Mission::Hover | Mission::Waypoints => 0.0,
             },
             next: 0,
             speed: 0.0,
@@ -100,8 +112,11 @@ impl Course {
         let free = slack.clamp(0.0, 1.0);
         if before.z > -HEIGHT_M {
             self.target.position.z = (before.z - CLIMB_M_S * free * dt_s).max(-HEIGHT_M);
-        } else if !self.corners.is_empty() {
-            self.travel(free, dt_s);
+        } else {
+            self.target.heading = wrapped(self.target.heading + self.turn_rad_s * dt_s);
+            if !self.corners.is_empty() {
+                self.travel(free, dt_s);
+            }
         }
         if dt_s > 0.0 {
             self.target.velocity = (self.target.position - before) / dt_s;
@@ -129,8 +144,8 @@ impl Course {
 
 /// An angle within -pi to pi.
 pub(super) fn wrapped(angle: f64) -> f64 {
-    let turns = (angle / std::f64::consts::TAU).round();
-    angle - turns * std::f64::consts::TAU
+    let turns = (angle / TAU).round();
+    angle - turns * TAU
 }
 
 fn waypoints(side_m: f64, seed: u64) -> Vec<Vector2<f64>> {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use reflex::app::{Call, Fault, Telemetry};
+use reflex::battery::BatteryState;
 use reflex::settings::MotorProtocol;
 
 use super::desired::Desired;
@@ -90,6 +91,14 @@ impl FlyingBoard for FlyingNativeBoard {
 
     fn counted(&self, fault: Fault) -> u32 {
         self.board.pilot.faults(fault)
+    }
+
+    fn measure(&mut self, pins_mv: [u32; 2]) {
+        self.board.gauge.pins_mv = pins_mv;
+    }
+
+    fn battery(&self) -> BatteryState {
+        self.board.pilot.battery().state()
     }
 
     fn longest_transfer_ns(&self) -> Option<u64> {

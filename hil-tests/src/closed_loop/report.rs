@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::battery_report::BatteryReport;
 use super::fault_report::FaultReport;
 use crate::scoring::{ByReason, Tier, or_dash};
 
@@ -59,6 +60,8 @@ pub struct FlightReport {
     pub flight_time_s: Option<f64>,
     /// Mean speed of the wind that was met in the scored part, m/s.
     pub wind_m_s: Option<f64>,
+    /// The battery at the end, and what the firmware made of it.
+    pub battery: BatteryReport,
     /// What came of the faults of a script; null where nothing was to break.
     pub faults: Option<FaultReport>,
     /// SHA-256 of all motor commands with their instants.
@@ -109,8 +112,12 @@ pub struct Control {
 /// What the processor did.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Cpu {
-    /// Share of the time that the core was awake.
+    /// Share of the time that the core was awake, its exceptions for nothing.
     pub busy_fraction: f64,
+    /// Exceptions entered a second.
+    pub exceptions_per_second: f64,
+    /// Share of the time with 22 cycles for each exception, as silicon takes them to enter and to leave.
+    pub busy_with_exceptions: f64,
 }
 
 impl FlightReport {
@@ -148,7 +155,6 @@ pub fn summary(report: &FlightReport) -> String {
         .filter(|named| *named.1 > 0)
         .map(|(name, count)| format!("{name} {count}"))
         .collect();
-    let busy = report.cpu.map(|cpu| 100.0 * cpu.busy_fraction);
     let minutes = report.flight_time_s.map(|time| time / 60.0);
     let gains = report.gains.as_ref();
     let gains = gains.map_or(String::new(), |name| format!(" and gains {name}"));
@@ -183,13 +189,14 @@ pub fn summary(report: &FlightReport) -> String {
             reasons.join(", "),
             or_dash(report.control.unchanged_share.map(|share| 100.0 * share), 1)
         ),
-        format!("processor        busy {} %", or_dash(busy, 1)),
+        format!("processor        {}", busy_text(report)),
         format!(
             "energy           {} J/min, {} min to 20 % of the battery",
             or_dash(report.energy_per_minute_j, 0),
             or_dash(minutes, 1)
         ),
     ];
+    lines.push(format!("battery          {}", report.battery));
     if let Some(faults) = &report.faults {
         lines.push(format!("faults           {faults}"));
     }
@@ -198,6 +205,15 @@ pub fn summary(report: &FlightReport) -> String {
     }
     lines.push(format!("digest           {}", report.digest));
     lines.join("\n") + "\n"
+}
+
+/// How busy the processor was, without and with its exceptions.
+fn busy_text(report: &FlightReport) -> String {
+    report.cpu.map_or("busy - %".to_owned(), |cpu| {
+        let [plain, charged] = [cpu.busy_fraction, cpu.busy_with_exceptions].map(|of| 100.0 * of);
+        let entered = cpu.exceptions_per_second;
+        format!("busy {plain:.2} %, {charged:.2} % with 22 cycles for each of {entered:.0} exceptions a second")
+    })
 }
 
 #[cfg(test)]
@@ -238,6 +254,15 @@ mod tests {
             energy_per_minute_j: None,
             flight_time_s: None,
             wind_m_s: None,
+            battery: BatteryReport {
+                charge: 0.0,
+                volts: 3.2,
+                state: "critical".into(),
+                low_s: Some(-0.25),
+                critical_s: Some(0.75),
+                empty_s: Some(1.75),
+                ended_s: None,
+            },
             faults: None,
             digest: "00".into(),
         }
@@ -254,6 +279,8 @@ mod tests {
             "{text}"
         );
         assert!(text.contains("roll - pitch - yaw - degrees"), "{text}");
+        let battery = "battery          0.0 % left, 3.2 V, critical; low from -0.2 s; nearly empty from 0.8 s; empty from 1.8 s\n";
+        assert!(text.contains(battery), "{text}");
     }
 
     #[test]

@@ -1,13 +1,12 @@
 //! A flight under way: world and autopilot in lockstep, looked at every 10 ms.
 
-use reflex::config::{CHIP_MOUNTING, IMU_MOUNTING};
-use reflex::settings::Mounting;
 use std::sync::Arc;
 
 use anyhow::Result;
 use reflex::graph::ControlLogic;
 use reflex::reactive::Phase;
 
+use super::battery_watch::BatteryWatch;
 use super::contention::Processor;
 use super::desired::Desired;
 use super::emulated::FlyingEmulatedBoard;
@@ -22,8 +21,9 @@ use super::world::{LONGEST_STEP_NS, World};
 use super::{FlyOptions, Flyer, Scene};
 use crate::faults::broken;
 use crate::logics::Start;
+use crate::mountings::mountings;
 use crate::record::motor_timers::update_period_ns;
-use chip_models::ChipOptions;
+use chip_models::{ChipOptions, ZeroRate};
 
 /// Time between two looks of mission, ground station and measures, ns.
 const LOOK_NS: u64 = 10_000_000;
@@ -41,6 +41,7 @@ pub(super) struct SimulatedFlight<'o> {
     pub(super) measures: Measures,
     /// Where something is to break.
     pub(super) watch: Option<FaultWatch>,
+    pub(super) battery: BatteryWatch,
     pub(super) track: Vec<Moment>,
     pub(super) scored: Option<Scored>,
     pub(super) now_ns: u64,
@@ -50,13 +51,20 @@ pub(super) struct SimulatedFlight<'o> {
     runs: Vec<TimedRan>,
 }
 
-/// How things stood where the scored part began.
+/// The scored part so far.
 pub(super) struct Scored {
-    pub(super) from_ns: u64,
-    pub(super) energy_j: f64,
-    pub(super) charge: f64,
+    pub(super) from: Standing,
+    pub(super) to: Standing,
     pub(super) wind_sum: f64,
     pub(super) looks: u64,
+}
+
+/// How things stood at an instant.
+#[derive(Clone, Copy)]
+pub(super) struct Standing {
+    pub(super) at_ns: u64,
+    pub(super) energy_j: f64,
+    pub(super) charge: f64,
 }
 
 impl<'o> SimulatedFlight<'o> {
@@ -74,8 +82,11 @@ impl<'o> SimulatedFlight<'o> {
         let chips = ChipOptions {
             seed,
             noise: true,
-            zero_rate: options.stress.zero_rate,
-            mountings: [IMU_MOUNTING, CHIP_MOUNTING].map(Mounting::axes),
+            zero_rate: ZeroRate {
+                turn_on_deg_s: scene.vehicle.gyroscope.turn_on_deg_s,
+                warm_up_c: scene.vehicle.gyroscope.warm_up_c,
+            },
+            mountings: mountings(),
             ..ChipOptions::default()
         };
         let board: Box<dyn FlyingBoard> = match flyer {
@@ -103,6 +114,7 @@ impl<'o> SimulatedFlight<'o> {
             processor: Processor::new(options.contention, seed),
             measures: Measures::default(),
             watch: options.faults.begins_ns().map(FaultWatch::new),
+            battery: BatteryWatch::default(),
             track: Vec::new(),
             scored: None,
             now_ns: 0,
@@ -114,7 +126,8 @@ impl<'o> SimulatedFlight<'o> {
     }
 
     pub(super) fn goes_on(&self) -> bool {
-        self.now_ns < self.end_ns && self.end().is_none()
+        let ended = self.battery.has_ended_the_flight() || self.end().is_some();
+        self.now_ns < self.end_ns && !ended
     }
 
     pub(super) fn since_take_off_s(&self) -> f64 {
@@ -139,17 +152,20 @@ impl<'o> SimulatedFlight<'o> {
         }
         for (at_ns, ran) in self.runs.drain(..) {
             let since_s = (at_ns as f64 - TAKE_OFF_NS as f64) * 1e-9;
-            let scored = self.scored.is_some();
+            let scored = self.scored.is_some() && !self.battery.is_nearly_empty();
             let quantum = self.options.settings.quantum;
             if let Some(watch) = &mut self.watch {
                 watch.ran(&(at_ns, ran));
             }
             self.measures.ran(&ran, since_s, scored, quantum);
         }
+        let drone = self.world.drone();
         if let Some(watch) = &mut self.watch {
-            watch.look(next_ns, self.board.as_ref(), self.world.drone());
+            watch.look(next_ns, self.board.as_ref(), drone);
         }
         if looks {
+            self.board.measure(self.world.battery_pins_mv());
+            self.battery.look(next_ns, self.board.as_ref(), drone);
             self.look(keeps && next_ns >= TAKE_OFF_NS);
         }
         Ok(())
@@ -204,13 +220,20 @@ impl<'o> SimulatedFlight<'o> {
     }
 
     fn judge(&mut self, target: &Target, desired: &Desired) {
+        if self.battery.is_nearly_empty() {
+            return;
+        }
         let state = self.world.state();
+        let standing = Standing {
+            at_ns: self.now_ns,
+            energy_j: state.energy_used,
+            charge: state.state_of_charge,
+        };
         if self.scored.is_none() && self.begins_to_count() {
             self.board.begin_scored();
             self.scored = Some(Scored {
-                from_ns: self.now_ns,
-                energy_j: state.energy_used,
-                charge: state.state_of_charge,
+                from: standing,
+                to: standing,
                 wind_sum: 0.0,
                 looks: 0,
             });
@@ -218,9 +241,9 @@ impl<'o> SimulatedFlight<'o> {
         let Some(scored) = &mut self.scored else {
             return;
         };
+        scored.to = standing;
         scored.wind_sum += self.world.air.norm();
         scored.looks += 1;
-        let state = self.world.state();
         let (position, rates) = (state.position, state.rates);
         let angles = self.world.angles();
         self.measures.look(desired, angles, (target, &position));
@@ -247,6 +270,13 @@ impl<'o> SimulatedFlight<'o> {
             );
             (crash.at_ns, what)
         });
-        crash.or_else(|| Some((drone.upset()?, "turned over".to_owned())))
+        let upset = || Some((drone.upset()?, "turned over".to_owned()));
+        let (at_ns, mut what) = crash.or_else(upset)?;
+        if self.battery.is_empty() {
+            what += " the battery empty,";
+        } else if self.battery.is_nearly_empty() {
+            what += " the battery nearly empty,";
+        }
+        Some((at_ns, what))
     }
 }

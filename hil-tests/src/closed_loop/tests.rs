@@ -1,6 +1,7 @@
 //! Whole flights in closed loop: they stay up, they repeat, and both tiers hold.
 
-mod alarms;
+pub(crate) mod alarms;
+mod physics;
 
 use super::*;
 use crate::firmware::Firmware;
@@ -122,6 +123,8 @@ fn the_firmware_flies_in_closed_loop_and_comes_to_the_hosts_commands_bit_by_bit(
     assert!(report.control.by_reason.trigger > 0);
     let busy = report.cpu.unwrap().busy_fraction;
     assert!((0.005..0.9).contains(&busy), "{busy}");
+    // Measured over the converter, whose calls the host made too.
+    assert_eq!(report.battery.state, "good");
     assert_eq!(report, fly(), "the same flight again");
     // Natively samples differ by microseconds, and with them everything a little.
     let native = super::fly(&scene, &options, Flyer::Native, &mut Silent)

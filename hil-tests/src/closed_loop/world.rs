@@ -9,9 +9,11 @@ use flight_dynamics::{self as dynamics, Drone, Start, State};
 use nalgebra::Vector3;
 use rand_distr::{Distribution, StandardUniform};
 use random_streams::generator;
+use reflex::config::{BATTERY_AMPS_PER_VOLT, BATTERY_VOLTS_PER_VOLT};
 use reflex_config::plant::{self, Environment, Vehicle};
 use reflex_config::{Airframe, Spin};
 
+use super::bent_field::BentField;
 use super::flying_board::Applied;
 use super::sensed_motion::SensedMotion;
 use crate::faults::{Effect, Script};
@@ -38,6 +40,7 @@ pub(super) struct World {
     now_ns: u64,
     commands: VecDeque<Applied>,
     throttles: Vec<f64>,
+    bent: BentField,
     /// Inner resistance of the battery while it is sound, ohm.
     resistance: f64,
 }
@@ -52,10 +55,11 @@ impl World {
         environment: &Environment,
         seed: u64,
     ) -> Result<Self> {
+        let bent = BentField::of(&vehicle.magnetometer);
         let vehicle = vehicle_of(vehicle, airframe);
         let weather = weather_of(environment, seed);
         let drone = Drone::new(&vehicle, Start::default(), &weather)?;
-        let sensed = Arc::new(SensedMotion::new(0, stimulus(&drone)));
+        let sensed = Arc::new(SensedMotion::new(0, stimulus(&drone, &bent)));
         Ok(Self {
             wind: dynamics::Wind::new(&weather, seed)?,
             air: Vector3::zeros(),
@@ -64,6 +68,7 @@ impl World {
             commands: VecDeque::new(),
             throttles: vec![0.0; airframe.motors.len()],
             resistance: vehicle.battery.resistance,
+            bent,
             drone,
         })
     }
@@ -71,19 +76,20 @@ impl World {
     /// Motors and battery are as a script says for now.
     pub(super) fn wear(&mut self, faults: &Script) {
         let mut strengths = vec![1.0; self.throttles.len()];
-        let (mut charge, mut resistance) = (1.0, self.resistance);
+        let (mut charge, mut resistance, mut sag) = (1.0, self.resistance, 0.0);
         for fault in faults.now(self.now_ns) {
             match fault.effect {
                 Effect::Motor(motor, share) => strengths[motor] = share,
                 Effect::Charge(share) => charge = share,
                 Effect::Resistance(factor) => resistance = self.resistance * factor,
+                Effect::Sag(volts) => sag = volts,
                 _ => {}
             }
         }
         for (motor, share) in strengths.into_iter().enumerate() {
             self.drone.weaken(motor, share);
         }
-        self.drone.wear_battery(charge, resistance);
+        self.drone.wear_battery(charge, resistance, sag);
     }
 
     /// A command that will apply; later ones are given later.
@@ -109,8 +115,18 @@ impl World {
                 .map_err(|diverged| anyhow!("{diverged}"))?;
             self.now_ns = stop_ns;
         }
-        self.sensed.push(self.now_ns, stimulus(&self.drone));
+        let stimulus = stimulus(&self.drone, &self.bent);
+        self.sensed.push(self.now_ns, stimulus);
         Ok(())
+    }
+
+    /// What the battery's divider and shunt put on their pins, mV.
+    pub(super) fn battery_pins_mv(&self) -> [u32; 2] {
+        let volts = self.drone.voltage();
+        [
+            pin_mv(volts, BATTERY_VOLTS_PER_VOLT),
+            pin_mv(self.drone.power() / volts, BATTERY_AMPS_PER_VOLT),
+        ]
     }
 
     pub(super) fn drone(&self) -> &Drone {
@@ -128,12 +144,21 @@ impl World {
     }
 }
 
-fn stimulus(drone: &Drone) -> Stimulus {
+/// What is on a pin for a value, of which each volt there means so much; nothing where none is wired.
+fn pin_mv(value: f64, per_volt: f32) -> u32 {
+    match per_volt > 0.0 {
+        true => (1e3 * value / f64::from(per_volt)).round() as u32,
+        false => 0,
+    }
+}
+
+fn stimulus(drone: &Drone, bent: &BentField) -> Stimulus {
     let sensed = drone.readings();
+    let field = bent.around(sensed.magnetic_field, drone.motor_current());
     Stimulus {
         gyro: sensed.rates.into(),
         specific_force: sensed.specific_force.into(),
-        magnetic_field: sensed.magnetic_field.into(),
+        magnetic_field: field.into(),
         temperature_c: TEMPERATURE_C,
     }
 }

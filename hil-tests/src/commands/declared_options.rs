@@ -85,6 +85,8 @@ fn argument(setting: &'static Setting, remark: &str) -> Option<Arg> {
         _ => argument
             .value_name(value)
             .allow_negative_numbers(true)
+            // The first of several may be negative.
+            .allow_hyphen_values(matches!(setting.kind, Kind::Axes(_)))
             .value_parser(|text: &str| setting.parse(text)),
     })
 }

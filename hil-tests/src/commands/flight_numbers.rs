@@ -1,6 +1,9 @@
 //! Numbers of a simulated flight, declared as the autopilot's settings are.
 
-use reflex_settings::{Kind, Setting, Value, above, within};
+use reflex_settings::{
+    HARD_IRON, Kind, MOTOR_FIELD, Range, SOFT_IRON_DIAGONAL, SOFT_IRON_OFF_DIAGONAL, Setting,
+    TURN_ON, Value, WARMING, above, within,
+};
 
 use super::declared_options::{Declarations, Given, refused};
 use crate::refusal::Refusal;
@@ -39,15 +42,35 @@ pub(super) const PLANT_DELAY: &Setting = &number(
 
 pub(super) const GYRO_BIAS: &Setting = &number(
     ["gyro-bias", "DEG_S"],
-    (Kind::Number(within(0.0, 60.0)), "deg/s"),
-    "0",
-    "Stress: most that an axis of the gyroscope shows at rest when it is turned on, by the seed",
+    (Kind::Number(TURN_ON), "deg/s"),
+    OF_VEHICLE,
+    "Sensor: most that an axis of the gyroscope shows at rest when it is turned on, by the seed",
 );
 pub(super) const WARM_UP: &Setting = &number(
     ["die-warms", "DEGREES"],
-    (Kind::Number(within(0.0, 60.0)), "degrees Celsius"),
-    "0",
-    "Stress: by how much the gyroscope warms up in the first minutes, and drifts with it",
+    (Kind::Number(WARMING), "degrees Celsius"),
+    OF_VEHICLE,
+    "Sensor: by how much the gyroscope warms up in the first minutes, and drifts with it",
+);
+pub(super) const HARD: &Setting = &axes(
+    ["hard-iron", "X,Y,Z"],
+    (HARD_IRON, "gauss"),
+    "Sensor: field of the magnets that travel with the magnetometer, in body axes",
+);
+pub(super) const SOFT_DIAGONAL: &Setting = &axes(
+    ["soft-iron-diagonal", "XX,YY,ZZ"],
+    (SOFT_IRON_DIAGONAL, ""),
+    "Sensor: of the symmetric matrix that would undo what steel bends",
+);
+pub(super) const SOFT_OFF_DIAGONAL: &Setting = &axes(
+    ["soft-iron-off-diagonal", "XY,XZ,YZ"],
+    (SOFT_IRON_OFF_DIAGONAL, ""),
+    "Sensor: of the same matrix",
+);
+pub(super) const MOTORS: &Setting = &axes(
+    ["motor-field", "X,Y,Z"],
+    (MOTOR_FIELD, "gauss for each A"),
+    "Sensor: field of the motors' current at the magnetometer, in body axes",
 );
 
 pub(super) const JITTER: &Setting = &number(
@@ -68,6 +91,18 @@ pub(super) const LATE: &Setting = &number(
     "0.02",
     "Contention: most that these wait",
 );
+
+/// What is not given is as the file of the vehicle says.
+const OF_VEHICLE: &str = "the vehicle's";
+
+/// Three numbers of a sensor.
+const fn axes(
+    option: [&'static str; 2],
+    (range, unit): (Range, &'static str),
+    meaning: &'static str,
+) -> Setting {
+    number(option, (Kind::Axes(range), unit), OF_VEHICLE, meaning)
+}
 
 /// A number with its option, unit, default and meaning.
 const fn number(
@@ -96,6 +131,10 @@ impl Declarations for Numbers {
         *PLANT_DELAY,
         *GYRO_BIAS,
         *WARM_UP,
+        *HARD,
+        *SOFT_DIAGONAL,
+        *SOFT_OFF_DIAGONAL,
+        *MOTORS,
         *JITTER,
         *LATE_SHARE,
         *LATE,
@@ -128,6 +167,40 @@ impl Given<Numbers> {
             Value::Number(number) => Ok(number),
             _ => Err(refused(setting, "is no number")),
         }
+    }
+
+    /// Replaces a number of a vehicle by what is given for it.
+    ///
+    /// # Errors
+    /// It is out of its range.
+    pub(super) fn replace(
+        &self,
+        setting: &'static Setting,
+        number: &mut f64,
+    ) -> Result<(), Refusal> {
+        if self.given(setting).is_some() {
+            *number = self.get(setting)?;
+        }
+        Ok(())
+    }
+
+    /// The same of three numbers.
+    ///
+    /// # Errors
+    /// One is out of its range.
+    pub(super) fn replace_axes(
+        &self,
+        setting: &'static Setting,
+        axes: &mut [f64; 3],
+    ) -> Result<(), Refusal> {
+        if let Some(value) = self.given(setting) {
+            let checked = setting.check(value, None);
+            checked.map_err(|refusal| refused(setting, refusal))?;
+            if let Value::Axes(given) = value {
+                *axes = given;
+            }
+        }
+        Ok(())
     }
 
     /// What is given for a number, if anything.

@@ -111,7 +111,7 @@ mod tests {
 
     /// arguments | what is said
     const SENSELESS: &str = "
---mission joyride | [possible values: hover, waypoints]
+--mission joyride | [possible values: hover, turn, waypoints]
 --gains kite --logic arducopter | --gains kite: logics/arducopter/kite.toml does not exist, must be one of: iris_plus
 --logic px4 | [possible values: cascade, arducopter, cleanflight, openpilot, observer]
 --duration 0 | --duration: 0 is out of range, must be above 0 and at most 86400 s
@@ -120,6 +120,11 @@ mod tests {
 --scored-from -1 | --scored-from: -1 is out of range, must be 0 to less than
 --clock-mhz 8 | --clock-mhz: 8 is out of range, must be 36 to 672 MHz
 --clock-mhz 36 --native | natively there is no processor, leave out --native
+--gyro-bias 61 | --gyro-bias: 61 is out of range, must be 0 to 60 deg/s
+--hard-iron -5,0,0 | --hard-iron: [-5, 0, 0] is out of range, must be each -4 to 4 gauss
+--hard-iron 0.1,0 | must be three numbers, one for each axis
+--motor-field 1,0,0 | --motor-field: [1, 0, 0] is out of range, must be each -0.1 to 0.1 gauss for each A
+--soft-iron-diagonal 0,1,1 | must be each 0.5 to 2
 --plant-gain 0 | --plant-gain: 0 is out of range, must be 0.1 to 10
 --plot src | --plot src: is a folder
 --plot nowhere/a.svg | --plot nowhere/a.svg: its folder does not exist
@@ -139,10 +144,13 @@ mod tests {
         let words = ["fly"].into_iter().chain(line.split_whitespace());
         match Only::try_parse_from(words) {
             Err(error) => error.to_string(),
-            Ok(only) => match only.arguments.options() {
-                Err(refusal) => refusal.to_string(),
-                Ok(_) => String::new(),
-            },
+            Ok(only) => {
+                let options = only.arguments.options();
+                match options.and_then(|_| only.arguments.flight.scene()) {
+                    Err(refusal) => refusal.to_string(),
+                    Ok(_) => String::new(),
+                }
+            }
         }
     }
 

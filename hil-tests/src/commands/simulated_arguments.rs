@@ -5,8 +5,8 @@ use clap::Args;
 use reflex::config::AIRFRAME;
 
 use super::flight_numbers::{
-    BANDWIDTH, CLOCK, DURATION, FlightNumbers, GYRO_BIAS, JITTER, LATE, LATE_SHARE, PLANT_DELAY,
-    PLANT_GAIN, WARM_UP,
+    BANDWIDTH, CLOCK, DURATION, FlightNumbers, GYRO_BIAS, HARD, JITTER, LATE, LATE_SHARE, MOTORS,
+    PLANT_DELAY, PLANT_GAIN, SOFT_DIAGONAL, SOFT_OFF_DIAGONAL, WARM_UP,
 };
 use super::logic_arguments::LogicArguments;
 use super::quantities::number;
@@ -15,7 +15,6 @@ use crate::closed_loop::contention::{Contention, Scheduler};
 use crate::closed_loop::{FlyOptions, Mission, Scene, Stress};
 use crate::faults::Script;
 use crate::refusal::Refusal;
-use chip_models::ZeroRate;
 
 /// What a flight is told. Defaults are those of `config/`.
 #[derive(Clone, Debug, Args)]
@@ -74,10 +73,6 @@ impl SimulatedArguments {
             stress: Stress {
                 gain: numbers.get(PLANT_GAIN)?,
                 delay_s: numbers.get(PLANT_DELAY)?,
-                zero_rate: ZeroRate {
-                    turn_on_deg_s: numbers.get(GYRO_BIAS)?,
-                    warm_up_c: numbers.get(WARM_UP)?,
-                },
             },
             faults: Script::default(),
             contention: Contention {
@@ -100,8 +95,23 @@ impl SimulatedArguments {
     /// Where to fly, and what.
     ///
     /// # Errors
-    /// As those of [`Scene::load`].
+    /// As those of [`Scene::load`]; a number that is not in its range.
     pub(super) fn scene(&self) -> Result<Scene> {
-        Scene::load(&self.environment, &self.airframe, self.position.as_deref())
+        let position = self.position.as_deref();
+        let mut scene = Scene::load(&self.environment, &self.airframe, position)?;
+        let numbers = &self.numbers;
+        let gyroscope = &mut scene.vehicle.gyroscope;
+        numbers.replace(GYRO_BIAS, &mut gyroscope.turn_on_deg_s)?;
+        numbers.replace(WARM_UP, &mut gyroscope.warm_up_c)?;
+        let magnetometer = &mut scene.vehicle.magnetometer;
+        for (setting, axes) in [
+            (HARD, &mut magnetometer.hard_iron_gauss),
+            (SOFT_DIAGONAL, &mut magnetometer.soft_iron_diagonal),
+            (SOFT_OFF_DIAGONAL, &mut magnetometer.soft_iron_off_diagonal),
+            (MOTORS, &mut magnetometer.motor_gauss_per_a),
+        ] {
+            numbers.replace_axes(setting, axes)?;
+        }
+        Ok(scene)
     }
 }

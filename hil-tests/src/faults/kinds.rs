@@ -44,6 +44,8 @@ pub enum Effect {
     Charge(f64),
     /// The battery's inner resistance is so many times as large.
     Resistance(f64),
+    /// The battery gives so many volts less.
+    Sag(f64),
     /// What the ground station sends, or does not.
     Said(Said),
     /// A chip's supply dips: its registers are those of a start.
@@ -236,6 +238,13 @@ pub const KINDS: &[Kind] = &[
         |_, size| Some(Effect::Resistance(size)),
     ),
     kind(
+        "sag",
+        BATTERY,
+        size("V", [0.0, 30.0], 0.0),
+        "the battery gives so much less than its charge says",
+        |_, size| Some(Effect::Sag(size)),
+    ),
+    kind(
         "silent",
         LINK,
         None,
@@ -411,7 +420,12 @@ impl Effect {
     /// Only the emulated board can play it.
     #[must_use]
     pub fn needs_emulator(self) -> bool {
-        matches!(self, Self::Bus(what) if what != Disturbance::NoAcknowledge)
+        match self {
+            Self::Bus(Disturbance::NoAcknowledge) => false,
+            Self::Bus(Disturbance::LineHeld { line, .. }) => line != SensorLine::ImuReady,
+            Self::Bus(_) => true,
+            _ => false,
+        }
     }
 
     /// Only the native tier can: firmware fits its models by itself.

@@ -353,7 +353,7 @@ what = 'weak'; where = 'motor1'; at_s = 1 | 3 | what: `weak` needs a size, 0 to 
 what = 'weak'; where = 'motor1'; at_s = 1; size = 2 | 6 | size: 2 is out of range, must be 0 to 1
 what = 'lost'; where = 'motor1'; at_s = 1; size = 1 | 6 | size: `lost` has no size
 what = 'bias'; where = 'gyroscope'; at_s = 1; size = 1; unit = 'rad/s' | 7 | unit: `rad/s` is unknown here, must be one of: deg/s
-what = 'held_low'; where = 'imu_line'; at_s = 1 | 3 | what: `held_low` needs the emulated board
+what = 'held_low'; where = 'magnetometer_line'; at_s = 1 | 3 | what: `held_low` needs the emulated board
 what = 'lost'; where = 'motor1'; at_s = 1; colour = 1 | 6 | unknown field `colour`
 what = 'lost'; where = 'motor1' | 2 | missing field `at_s`
 ";

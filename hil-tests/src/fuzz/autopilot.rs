@@ -4,16 +4,17 @@
 
 use arbitrary::{Result, Unstructured};
 use clap::ValueEnum;
-use reflex::app::{ChipAction, ChipOrder, ChipSetting, Fault, OrderError};
+use reflex::app::{ChipAction, ChipOrder, ChipSetting, Fault, OrderError, StoreEvent};
 use reflex::battery::BatteryReading;
 use reflex::config::SETTINGS;
 use reflex::control::{MotorTest, Setpoint, Yaw};
-use reflex::link::{ArmCommand, Destination, ExternalPose, Message};
+use reflex::link::{ArmCommand, Calibrate, Destination, ExternalPose, Message, StoreCommand};
 use reflex::math::{Quaternion, Vec3};
 use reflex::reactive::{Column, Feature, Fit, Logistic, Refit};
 use reflex::reset::{Reset, ResetCause};
 use reflex::sensors::{Cause, ChipSample, ImuReading, Input};
 use reflex::settings::{Policy, Settings};
+use reflex::store::{Found, NotSaved};
 use reflex::time::micros;
 use reflex::units::{BodyRates, Position, SpecificForce, Thrust, Velocity};
 
@@ -25,7 +26,7 @@ use crate::logics::{LogicName, Start};
 pub(super) const AUTOPILOT: Target = Target {
     name: "autopilot",
     reads: "calls of the autopilot in any order",
-    inputs: 400,
+    inputs: 4_000,
     load: || {
         Ok(Loaded::new(Source::Made(steps), |input| {
             fly(&mut Unstructured::new(input)).is_ok()
@@ -134,7 +135,7 @@ fn sample(flyer: &mut Flyer, from: &mut Unstructured<'_>) -> Result<()> {
     Ok(())
 }
 
-/// What a board may find of its battery and of its start.
+/// What a board may find of its battery, its start and its store.
 fn found(flyer: &mut Flyer, from: &mut Unstructured<'_>) -> Result<()> {
     let reading = BatteryReading {
         volts: number(from)?,
@@ -147,6 +148,14 @@ fn found(flyer: &mut Flyer, from: &mut Unstructured<'_>) -> Result<()> {
         last_words: None,
     };
     flyer.autopilot.on_reset(flyer.at(), &reset);
+    let events = [
+        StoreEvent::Found(*from.choose(&Found::ALL)?),
+        StoreEvent::KeyDue,
+        StoreEvent::Begun,
+        StoreEvent::Saved,
+        StoreEvent::NotSaved(NotSaved::Flash),
+    ];
+    flyer.autopilot.on_store(flyer.at(), *from.choose(&events)?);
     Ok(())
 }
 
@@ -209,7 +218,7 @@ fn taught(flyer: &mut Flyer, from: &mut Unstructured<'_>) -> Result<()> {
 }
 
 fn message(from: &mut Unstructured<'_>) -> Result<Message> {
-    Ok(match from.int_in_range(0..=9)? {
+    Ok(match from.int_in_range(0..=11)? {
         0 => Message::Heartbeat,
         1..=3 => Message::Setpoint(Setpoint {
             attitude: attitude(from)?,
@@ -241,6 +250,8 @@ fn message(from: &mut Unstructured<'_>) -> Result<Message> {
                 None
             },
         }),
+        9 => Message::Calibrate(*from.choose(&Calibrate::ALL)?),
+        10 => Message::Store(*from.choose(&StoreCommand::ALL)?),
         _ => Message::TestMotor(MotorTest {
             motor: from.arbitrary()?,
             share: number(from)?,

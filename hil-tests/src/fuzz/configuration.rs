@@ -10,7 +10,7 @@ use reflex::config::LIMITS;
 use reflex::settings::Settings;
 use reflex_config::ConfigError;
 use reflex_config::plant::{Environment, Tracking, Vehicle};
-use reflex_settings::Declared;
+use reflex_settings::{Declared, Kind};
 use tempfile::TempDir;
 
 use super::samples::{self, Sample};
@@ -62,8 +62,15 @@ pub(super) const OPTIONS: Target = Target {
     inputs: 100_000,
     load: || {
         let settings = Settings::SETTINGS.iter();
-        let sound = settings.map(|setting| Sample::named(setting.name, setting.default.as_bytes()));
-        let rotation = Sample::named(ROTATION, b"roll180,yaw90");
+        let sound = settings.map(|setting| {
+            let text = match setting.kind {
+                Kind::Inputs => "all",
+                Kind::Step { .. } => "1/255",
+                _ => setting.default,
+            };
+            Sample::named(setting.name, text.as_bytes())
+        });
+        let rotation = Sample::named(ROTATION, b"roll180yaw90");
         let source = Source::Spoilt(sound.chain([rotation]).collect());
         Ok(Loaded::new(source, check_option))
     },

@@ -22,7 +22,7 @@ use reflex::config::SETTINGS;
 pub(super) const LINK: Target = Target {
     name: "link",
     reads: "bytes of the link, signed ones too, and the autopilot behind it",
-    inputs: 3_000,
+    inputs: 5_000,
     load: || Ok(Loaded::new(Source::Made(stream), check)),
 };
 

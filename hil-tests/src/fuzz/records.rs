@@ -6,7 +6,7 @@ use arbitrary::{Result as Made, Unstructured};
 use clap::ValueEnum;
 use emulated_board::FaultKind;
 use emulated_board::log::LogDecoder;
-use emulated_board::rings::{CallLog, RttLog, TargetMemory};
+use emulated_board::rings::{CALLS_LENGTH, CallLog, RttLog, TargetMemory};
 use reflex::app::{DecodeError, LONGEST_RECORD, Stamped};
 use reflex::config::SETTINGS as CONFIGURED;
 use reflex::reset::LastWords;
@@ -132,7 +132,10 @@ fn check_calls(input: &[u8]) -> bool {
 
 /// Memory of a firmware: a ring of calls, the descriptor of its log, and a log.
 fn memory(from: &mut Unstructured<'_>) -> Made<Vec<u8>> {
-    let mut bytes = Vec::new();
+    let mut bytes = match from.ratio(3, 4)? {
+        true => head(from)?,
+        false => Vec::new(),
+    };
     for _ in 0..from.int_in_range(0..=30)? {
         match from.int_in_range(0..=3)? {
             0 => bytes.extend(some(from, 0..=40)?),
@@ -145,6 +148,19 @@ fn memory(from: &mut Unstructured<'_>) -> Made<Vec<u8>> {
         bytes.push(0);
     }
     Ok(bytes)
+}
+
+/// A count of calls and a descriptor of a log that can be; the log is what follows.
+fn head(from: &mut Unstructured<'_>) -> Made<Vec<u8>> {
+    const LENGTH: u32 = 48;
+    let calls = from.int_in_range(0..=2 * CALLS_LENGTH)?;
+    let size = from.int_in_range(1..=1024_u32)?;
+    let [write, read] = [
+        from.int_in_range(0..=size - 1)?,
+        from.int_in_range(0..=size - 1)?,
+    ];
+    let words = [calls, 0, 0, 0, 0, 0, 0, LENGTH, size, write, read, 0];
+    Ok(words.into_iter().flat_map(u32::to_le_bytes).collect())
 }
 
 /// Bytes without a zero, as defmt writes them: behind each seven a byte that says where zeros were.

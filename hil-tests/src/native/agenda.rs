@@ -9,6 +9,8 @@
 pub(super) enum Event {
     /// The MPU6050's interrupt pin may change.
     ImuInterrupt,
+    /// An edge of that pin is missed.
+    ImuMissed,
     /// The interrupt pin of a die with a clock of its own may change.
     DieInterrupt,
     /// A burst of the MPU6050 has been received.
@@ -25,13 +27,16 @@ pub(super) enum Event {
     Chips,
     /// A frame of the link has been received.
     Frame,
+    /// A second has passed: the battery is measured.
+    Beat,
     /// A model was refitted.
     Refit,
 }
 
 impl Event {
-    const ALL: [Self; 10] = [
+    const ALL: [Self; 12] = [
         Self::ImuInterrupt,
+        Self::ImuMissed,
         Self::DieInterrupt,
         Self::Burst,
         Self::Repaired,
@@ -40,6 +45,7 @@ impl Event {
         Self::Timer,
         Self::Chips,
         Self::Frame,
+        Self::Beat,
         Self::Refit,
     ];
 }

@@ -5,7 +5,7 @@
 //! preempt each other; what a task takes is a constant of `timing`. Nothing reads a clock and
 //! nothing is random but the models' seeds, so the same flight gives the same calls.
 //!
-//! **Not played**: the log, answers and telemetry on the link, the motors' timers.
+//! **Not played**: the log, what is sent over the link, the motors' timers.
 
 use std::sync::Arc;
 
@@ -23,6 +23,8 @@ use reflex_drivers::legacy_hal::Lent;
 use reflex_drivers::mpu6050::{ADDRESS, BURST_LENGTH, Mpu6050 as Mpu6050Driver};
 
 use super::agenda::{Agenda, Event};
+use super::gauge::Gauge;
+use super::imu_line::ImuLine;
 use super::serial_line::SerialLine;
 use super::timing::{
     ARRIVAL_NS, BOOT_NS, CHIPS_START_NS, IMU_START_NS, IMU_WAKE_NS, SHORTEST_BURST_NS, clock,
@@ -38,6 +40,7 @@ use emulated_board::Disturbance;
 
 /// The one fault of a bus that is played here.
 const SILENCE: Effect = Effect::Bus(Disturbance::NoAcknowledge);
+
 /// Every call with its stamp.
 #[derive(Debug, Default)]
 pub(crate) struct Calls(pub(crate) Vec<Stamped>);
@@ -68,6 +71,7 @@ pub(crate) struct NativeBoard {
     pub(super) motors: Outputs,
 
     pub(crate) imu: Wire<Mpu6050>,
+    pub(super) imu_line: ImuLine,
     pub(super) imu_bus: I2cBus,
     pub(super) burst: Option<Burst>,
     pub(super) guard: Guard<Sensor>,
@@ -82,6 +86,7 @@ pub(crate) struct NativeBoard {
     pub(super) raised_again: bool,
 
     pub(super) link: Link<SerialLine>,
+    pub(crate) gauge: Gauge,
 
     pub(super) refit: Option<Refit>,
 
@@ -118,6 +123,7 @@ impl NativeBoard {
             vectors: Vectors::at(clock(0)),
             motors: Outputs::default(),
             imu,
+            imu_line: ImuLine::new(BOOT_NS),
             imu_bus,
             burst: None,
             guard: Guard::new(clock(BOOT_NS)),
@@ -128,6 +134,7 @@ impl NativeBoard {
             done: None,
             raised_again: false,
             link: Link::new(SerialLine::new(frames), LINK_WIRED, start.airframe.count()),
+            gauge: Gauge::default(),
             refit: None,
             strikes: Strikes::default(),
             unfit: Vec::new(),
@@ -150,6 +157,8 @@ impl NativeBoard {
         self.imu_bus.time.forget_longest();
         self.spi_time.forget_longest();
         self.agenda.set(Event::Timer, BOOT_NS);
+        self.agenda.set(Event::Beat, BOOT_NS);
+        self.agenda.set(Event::ImuMissed, self.imu_line.due_ns());
         self.watch_imu();
         self.watch_chips();
         self.receive_next_frame();
@@ -173,6 +182,7 @@ impl NativeBoard {
             self.vectors.now = clock(self.now_ns);
             match event {
                 Event::ImuInterrupt => self.on_imu_interrupt(),
+                Event::ImuMissed => self.on_imu_missed(),
                 Event::DieInterrupt => self.on_die_interrupt(),
                 Event::Burst => self.on_burst(),
                 Event::Repaired => self.on_repaired(),
@@ -180,6 +190,7 @@ impl NativeBoard {
                 Event::Timer => self.on_timer(),
                 Event::Chips => self.on_chips(),
                 Event::Frame => self.on_frame(),
+                Event::Beat => self.on_beat(),
                 Event::Refit => self.on_refit(),
             }
         }
@@ -189,7 +200,8 @@ impl NativeBoard {
     /// The soonest that control may run again, ns: what is under way leads to no run before.
     pub(crate) fn soonest_run_ns(&self) -> u64 {
         let due_ns = |event| self.agenda.due_ns(event);
-        let sample_ns = due_ns(Event::ImuInterrupt).saturating_add(SHORTEST_BURST_NS);
+        let sample_ns = due_ns(Event::ImuInterrupt).min(due_ns(Event::ImuMissed));
+        let sample_ns = sample_ns.saturating_add(SHORTEST_BURST_NS);
         let soonest = [
             sample_ns
                 .min(due_ns(Event::Burst))
@@ -229,6 +241,9 @@ impl NativeBoard {
         self.strikes = Strikes::of(faults);
         self.imu_bus.silences = with(SILENCE).collect();
         self.unfit = with(Effect::Unfit).collect();
+        self.imu_line.stuck = (faults.iter().copied())
+            .filter(|fault| matches!(fault.effect, Effect::Bus(Disturbance::LineHeld { .. })))
+            .collect();
     }
 
     /// No fit succeeds now.

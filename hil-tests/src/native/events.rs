@@ -7,7 +7,7 @@ use reflex::app::Fault;
 use reflex::reactive::Fit;
 use reflex::sensors::Input;
 use reflex::tasks::chips::{self, Work};
-use reflex::tasks::imu::{self, Configure, Report};
+use reflex::tasks::imu::{self, Configure, Imu, Report};
 use reflex::tasks::mpu6050::Sensor;
 use reflex::tasks::{Unshared, control, link};
 use reflex_drivers::mpu6050::{ADDRESS, BURST_LENGTH, BURST_START, LONGEST_CHECK};
@@ -22,14 +22,27 @@ impl NativeBoard {
     /// Stamps the sample and starts its burst.
     pub(super) fn on_imu_interrupt(&mut self) {
         if let Some(at_ns) = self.imu.hear(self.now_ns)
-            && !self.agenda.is_noted(Event::Repaired)
+            && self.imu_line.hears(at_ns.max(BOOT_NS))
         {
+            self.agenda.set(Event::ImuMissed, self.imu_line.due_ns());
             self.start_burst(at_ns.max(BOOT_NS));
         }
         self.watch_imu();
     }
 
+    /// The line is dead: asks for a sample all the same.
+    pub(super) fn on_imu_missed(&mut self) {
+        if self.imu_line.misses(self.now_ns) {
+            self.pilot.on_fault(self.vectors.now, Fault::ImuLine);
+        }
+        self.agenda.set(Event::ImuMissed, self.imu_line.due_ns());
+        self.start_burst(self.now_ns);
+    }
+
     fn start_burst(&mut self, at_ns: u64) {
+        if self.agenda.is_noted(Event::Repaired) {
+            return;
+        }
         let at = clock(at_ns);
         if self.burst.is_some() {
             self.pilot.on_fault(at, Fault::ImuOverrun);
@@ -53,12 +66,18 @@ impl NativeBoard {
             return;
         };
         let now = self.vectors.now;
-        self.guard.hear(now);
-        self.report_imu(&match bytes {
-            Some(bytes) => Report::Burst(at, bytes),
-            None => Report::Fault(now, Fault::ImuBus, false),
-        });
-        if let Some(check) = self.guard.check(at, || now) {
+        let report = match bytes {
+            Some(bytes) if Sensor::is_new(&bytes) => {
+                self.guard.hear(at);
+                Report::Burst(at, bytes)
+            }
+            Some(_) => Report::Fault(at, Fault::ImuStale, self.guard.is_silent(at)),
+            None => Report::Fault(now, Fault::ImuBus, self.guard.fail()),
+        };
+        self.report_imu(&report);
+        if bytes.is_some()
+            && let Some(check) = self.guard.check(at, || now)
+        {
             self.imu_bus.time.set_ns(self.now_ns);
             let mut held = [0; LONGEST_CHECK];
             let into = &mut held[..usize::from(check.length)];
@@ -158,6 +177,15 @@ impl NativeBoard {
         link::receive(&mut self.vectors, &mut Unshared(&mut self.link), pilot);
         self.dispatch(0);
         self.receive_next_frame();
+    }
+
+    /// Measures the battery, then says that the drone is there.
+    pub(super) fn on_beat(&mut self) {
+        let now = self.vectors.now;
+        self.pilot.on_battery(now, &self.gauge.look());
+        let pilot = &mut Unshared(&mut self.pilot);
+        link::beat(&mut self.vectors, &mut Unshared(&mut self.link), pilot);
+        self.agenda.set(Event::Beat, nanos(now + link::BEAT));
     }
 
     pub(super) fn receive_next_frame(&mut self) {

@@ -126,7 +126,7 @@ pub const PARTS: [Part; 17] = [
     ),
 ];
 
-const fn part(name: &'static str, modules: &'static [&'static str]) -> Part {
+pub(super) const fn part(name: &'static str, modules: &'static [&'static str]) -> Part {
     Part {
         name,
         modules,
@@ -165,9 +165,14 @@ impl Part {
 /// That is the innermost function of a module that some part names; without any, the rest and the
 /// innermost of all.
 pub(super) fn part_of(frames: &[Rc<Frame>]) -> (&'static str, &str) {
+    part_among(&PARTS, frames)
+}
+
+/// As [`part_of`], among other parts.
+pub(super) fn part_among<'f>(parts: &[Part], frames: &'f [Rc<Frame>]) -> (&'static str, &'f str) {
     let innermost = (0..frames.len()).rev().find_map(|place| {
         let frame = &frames[place];
-        let named = PARTS.iter().filter_map(|part| {
+        let named = parts.iter().filter_map(|part| {
             let length = part.names(&frame.module)?;
             let within = part.is_within(&frames[..=place]);
             within.then_some(((length, part.within.is_some()), part.name))

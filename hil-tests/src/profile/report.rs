@@ -9,6 +9,7 @@ use super::floats::Arithmetic;
 use super::parts::{PARTS, REST, part_of};
 use super::stacks::Stack;
 use crate::record::{Counted, HANDLERS};
+use emulated_board::EXCEPTION_CYCLES;
 
 /// Functions that the text lists.
 const LISTED: usize = 30;
@@ -46,10 +47,12 @@ pub struct Profile {
     pub runs: u64,
     /// Instructions that the core executes in a second without sleep.
     pub core_hz: u64,
-    /// Exceptions that were entered. The emulated core takes no cycles for it; silicon does.
+    /// Exceptions that were entered. The emulated core takes no cycles for it.
     pub exceptions: u64,
     /// All instructions; `busy_fraction` is that of the flight's own report.
     pub all: Share,
+    /// Share of the processor with 22 cycles for each exception, as silicon takes them to enter and to leave.
+    pub busy_with_exceptions: f64,
     /// Instructions by part, in the order of the table of parts.
     pub parts: Vec<Share>,
     /// By function: the innermost of a module that a part names, with what it calls elsewhere.
@@ -130,19 +133,19 @@ impl Profile {
             share: share(&task(handler), *sum),
             entries: exceptions.iter().map(entries).sum(),
         });
+        let exceptions = tally.entries.iter().filter(|it| *it.0 != 0);
+        let exceptions = exceptions.map(|it| it.1).sum();
+        let all = share("all", tally.executed);
+        let charged = tally.executed + exceptions * EXCEPTION_CYCLES;
         Self {
             from_s: tally.from_ns as f64 * 1e-9,
             length_s,
             samples: counted.samples,
             runs: counted.runs,
             core_hz: counted.instructions_per_second,
-            exceptions: tally
-                .entries
-                .iter()
-                .filter(|it| *it.0 != 0)
-                .map(|it| it.1)
-                .sum(),
-            all: share("all", tally.executed),
+            exceptions,
+            all,
+            busy_with_exceptions: share("charged", charged).busy_fraction,
             parts: names
                 .map(|name| share(name, parts.get(name).copied().unwrap_or(0)))
                 .collect(),
@@ -176,7 +179,8 @@ impl Profile {
     pub fn tables(&self) -> String {
         let mut text = format!(
             "{}\n{:.3} s from {:.3} s after reset: {} samples, {} runs\n\
-             {:.2} % of the processor at {} MHz, without the charge for {:.0} exceptions a second\n",
+             {:.2} % of the processor at {} MHz, {:.2} % with {EXCEPTION_CYCLES} cycles for each of \
+             {:.0} exceptions a second\n",
             self.title(),
             self.length_s,
             self.from_s,
@@ -184,6 +188,7 @@ impl Profile {
             self.runs,
             self.all.busy_fraction * 100.0,
             self.core_hz / 1_000_000,
+            self.busy_with_exceptions * 100.0,
             self.exceptions as f64 / self.length_s,
         );
         text += &heading("part, instructions");

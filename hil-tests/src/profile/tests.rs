@@ -11,7 +11,7 @@ use crate::record::HANDLERS;
 use reflex::config::{AIRFRAME, SETTINGS};
 
 /// Every sum of a profile is what the core executed, and its busy share that of the flight's own report.
-fn adds_up(profile: &Profile, busy_fraction: f64) {
+fn adds_up(profile: &Profile, busy_fraction: f64, busy_with_exceptions: f64) {
     let all = profile.all.instructions;
     let sum = |shares: &[Share]| shares.iter().map(|share| share.instructions).sum::<u64>();
     assert_eq!(sum(&profile.parts), all);
@@ -24,6 +24,13 @@ fn adds_up(profile: &Profile, busy_fraction: f64) {
         "{} {busy_fraction}",
         profile.all.busy_fraction
     );
+    // Counted by their handlers' addresses there, by the processor's status here.
+    let off = profile.busy_with_exceptions / busy_with_exceptions - 1.0;
+    assert!(off.abs() < 1e-4, "{profile:?} {busy_with_exceptions}");
+    assert!(profile.exceptions > 1_000, "{profile:?}");
+    let charged = (busy_with_exceptions / busy_fraction - 1.0) * all as f64;
+    let off = charged / (22.0 * profile.exceptions as f64) - 1.0;
+    assert!(off.abs() < 0.01, "{charged} for {}", profile.exceptions);
     let rest = profile.parts.last().expect("a rest");
     assert_eq!(rest.name, REST);
     assert!(rest.instructions * 200 < all, "most has a part: {rest:?}");
@@ -49,7 +56,8 @@ fn a_profiled_flight_is_the_same_flight_and_adds_up() {
         fly(&scene, &options, (&firmware, 168), &mut Silent).unwrap();
     assert_eq!(plain.report.digest, profile.subject.digest);
     assert_eq!(plain.report.control.runs, profile.runs);
-    adds_up(&profile, plain.report.cpu.unwrap().busy_fraction);
+    let cpu = plain.report.cpu.unwrap();
+    adds_up(&profile, cpu.busy_fraction, cpu.busy_with_exceptions);
     let entries = |name| {
         let task = profile.tasks.iter().find(|task| task.share.name == name);
         task.expect("it ran").entries
@@ -86,7 +94,9 @@ fn a_profiled_replay_is_the_same_replay_and_adds_up() {
     let plain = emulated::replay(&options, &mut Silent).unwrap().run;
     let Profiled { profile, stacks } = replay(&options, &mut Silent).unwrap();
     assert_eq!(plain.digest, profile.subject.digest);
-    adds_up(&profile, plain.cpu.unwrap().busy_fraction.unwrap());
+    let cpu = plain.cpu.unwrap();
+    let busy = [cpu.busy_fraction, cpu.busy_with_exceptions].map(Option::unwrap);
+    adds_up(&profile, busy[0], busy[1]);
     let folded = folded(&stacks);
     let counts = folded
         .lines()

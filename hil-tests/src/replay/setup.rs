@@ -4,12 +4,11 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use anyhow::Result;
-use reflex::config::{CHIP_MOUNTING, IMU_MOUNTING};
-use reflex::settings::Mounting;
 
 use super::options::ReplayOptions;
 use super::refusals;
 use crate::faults::{Limits, Script};
+use crate::mountings::mountings;
 use chip_models::{ChipOptions, Present};
 use recorded_flights::{Flight, Sensor, Standstill, sample_flight};
 
@@ -33,7 +32,7 @@ pub(crate) fn chip_options(flight: &Flight, options: &ReplayOptions) -> ChipOpti
             magnetometer: flight.mag.is_some(),
             ..Present::default()
         },
-        mountings: [IMU_MOUNTING, CHIP_MOUNTING].map(Mounting::axes),
+        mountings: mountings(),
         ..ChipOptions::default()
     }
 }
@@ -48,7 +47,7 @@ pub(crate) fn script(flight: &Flight, options: &ReplayOptions, is_native: bool) 
     };
     let limits = Limits {
         take_off_ns: Standstill::default().length_ns(),
-        duration_s: length_ns(flight, options) as f64 * 1e-9,
+        duration_s: length_ns(flight, options) as f64 / 1e9,
         motors: None,
         is_native,
     };

@@ -274,13 +274,19 @@ pub struct LatencyPart {
     pub part: String,
     /// How long it took, in microseconds; null without a run.
     pub micros: Option<Quantiles>,
+    /// What exceptions that are entered and left in it take on silicon, in microseconds: to be added.
+    pub exceptions_us: f64,
 }
 
 /// Load of the processor after warm-up.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Cpu {
-    /// Share of time in which it did not sleep; null over no time.
+    /// Share of time in which it did not sleep, its exceptions for nothing; null over no time.
     pub busy_fraction: Option<f64>,
+    /// Exceptions entered a second; null over no time.
+    pub exceptions_per_second: Option<f64>,
+    /// Share of time with 22 cycles for each exception, as silicon takes them to enter and to leave.
+    pub busy_with_exceptions: Option<f64>,
     /// Instructions of one run of the control logic, on average; null without a run.
     pub instructions_per_run: Option<f64>,
 }

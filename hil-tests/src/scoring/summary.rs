@@ -199,13 +199,20 @@ fn latency_parts(parts: &[LatencyPart]) -> String {
     if parts.iter().all(|part| part.micros.is_none()) {
         return String::new();
     }
-    let mut table = Table::new(["runs that the gyro asked for", "p50 us", "p99 us", "max us"]);
+    let mut table = Table::new([
+        "runs that the gyro asked for",
+        "p50 us",
+        "p99 us",
+        "max us",
+        "exceptions us",
+    ]);
     for part in parts {
         table.row([
             part.part.clone(),
             or_dash(part.micros.map(|micros| micros.p50), 1),
             or_dash(part.micros.map(|micros| micros.p99), 1),
             or_dash(part.micros.map(|micros| micros.max), 1),
+            format!("+ {:.2}", part.exceptions_us),
         ]);
     }
     table.to_string()
@@ -365,8 +372,11 @@ fn board(run: &RunReport) -> String {
     }
     if let Some(cpu) = &run.cpu {
         text += &format!(
-            "processor {} % busy, {} instructions a run\n",
-            or_dash(percent(cpu.busy_fraction), 1),
+            "processor {} % busy, {} % with 22 cycles for each of {} exceptions a second, \
+             {} instructions a run\n",
+            or_dash(percent(cpu.busy_fraction), 2),
+            or_dash(percent(cpu.busy_with_exceptions), 2),
+            or_dash(cpu.exceptions_per_second, 0),
             or_dash(cpu.instructions_per_run, 0)
         );
     }

@@ -15,7 +15,7 @@ use reflex::app::{Call, Fault, Stamped};
 pub const MS: u64 = 1_000_000;
 /// The firmware has booted and samples by then: in a burst, and between two of them.
 pub const FROM_NS: u64 = 200 * MS;
-pub const IDLE_NS: u64 = FROM_NS + 300_000;
+pub const IDLE_NS: u64 = FROM_NS + 600_000;
 
 static FIRMWARE: LazyLock<Arc<Elf>> = LazyLock::new(|| {
     let firmware = Firmware::build(LogicName::configured(), &mut Silent).expect("built");

@@ -179,7 +179,15 @@ struct Bench {
 }
 
 impl Bench {
+    /// A condition that nothing meets.
+    const NEVER: (u32, u32, u32) = (CLOCK_INTERRUPTS.0, CLOCK_INTERRUPTS.1, 1 << 31);
+
     fn new(crime: Crime, condition: (u32, u32, u32)) -> Self {
+        Self::started(crime, condition, Options::default())
+    }
+
+    /// On a board that is watched in some way.
+    fn started(crime: Crime, condition: (u32, u32, u32), options: Options) -> Self {
         let firmware = Firmware::build(LogicName::configured(), &mut Silent).unwrap();
         let mut elf = Elf::parse(firmware.bytes).unwrap();
         let handler = elf.lead(IMU_READY, STUB).unwrap();
@@ -189,7 +197,7 @@ impl Bench {
             survives: true,
             flies: false,
             watches: vec!["HardFault".into()],
-            ..Options::default()
+            ..options
         };
         let elf = Arc::new(elf);
         let sensors = Sensors::from(&SharedChips::feeling(&at_rest(), real(1)));
@@ -204,10 +212,7 @@ impl Bench {
 
     /// One that never ends.
     fn resting() -> Self {
-        Self::new(
-            Crime::Hang,
-            (CLOCK_INTERRUPTS.0, CLOCK_INTERRUPTS.1, 1 << 31),
-        )
+        Self::new(Crime::Hang, Self::NEVER)
     }
 
     fn after(crime: Crime) -> Self {
@@ -217,6 +222,11 @@ impl Bench {
     fn run(mut self, until_ns: u64) -> Self {
         self.board.run_until(until_ns, &mut self.seen).unwrap();
         self
+    }
+
+    fn word(&mut self, address: u32) -> u32 {
+        let bytes = self.board.read(address, 4).unwrap();
+        u32::from_le_bytes(bytes.try_into().unwrap())
     }
 
     fn last_words(&mut self) -> Option<LastWords> {
@@ -323,9 +333,8 @@ fn without_its_crystal_the_processor_makes_pulses_of_the_same_length() {
     assert_eq!(last.pulse_ns[..MOTORS], [SHORTEST_NS; MOTORS]);
     assert_eq!(bench.last_words().expect("words").ending, Ending::ClockLost);
     // TIM3: no prescaler, 2 kHz of 16 MHz.
-    let word = |bytes: Vec<u8>| u32::from_le_bytes(bytes.try_into().unwrap());
-    assert_eq!(word(bench.board.read(0x4000_0428, 4).unwrap()), 0);
-    assert_eq!(word(bench.board.read(0x4000_042C, 4).unwrap()), 7_999);
+    assert_eq!(bench.word(0x4000_0428), 0);
+    assert_eq!(bench.word(0x4000_042C), 7_999);
 }
 
 #[test]
@@ -352,11 +361,7 @@ fn a_first_start_knows_its_supply_and_what_a_halt_does() {
         bench.seen.log
     );
     // DBGMCU_APB1_FZ: TIM3 and TIM4 stand still, the watchdog goes on.
-    let frozen = bench.board.read(0xE004_2008, 4).unwrap();
-    assert_eq!(
-        u32::from_le_bytes(frozen.try_into().unwrap()) & (1 << 12 | 0b110),
-        0b110
-    );
+    assert_eq!(bench.word(0xE004_2008) & (1 << 12 | 0b110), 0b110);
     assert!(!bench.has_logged("halt would leave"));
 }
 
@@ -380,6 +385,40 @@ fn a_battery_that_sags_is_warned_of() {
     bench.board.measure(1_010, 500);
     let bench = bench.run(10 * SECOND);
     warned(&bench, "battery Low");
+}
+
+/// A debugger that left the log's channel in blocking mode (RTT: flags of up-channel 0), and is gone.
+#[test]
+fn a_log_that_nobody_reads_stops_nothing_in_any_mode() {
+    const BLOCK_IF_FULL: u32 = 2;
+    let options = Options {
+        log_is_unread: true,
+        ..Options::default()
+    };
+    let mut bench = Bench::started(Crime::Hang, Bench::NEVER, options).run(200 * MILLISECOND_NS);
+    // Its write and read positions and its flags.
+    let channel = bench.elf.symbol("_SEGGER_RTT").unwrap() + 24;
+    let [write, read, flags] = [12, 16, 20].map(|offset| channel + offset);
+    let written = bench.word(write);
+    // The ring is full.
+    bench.board.write(read, &(written + 1).to_le_bytes());
+    bench.board.write(flags, &BLOCK_IF_FULL.to_le_bytes());
+    let mut bench = bench.run(3 * SECOND);
+    assert_ne!(bench.word(write), written, "something was logged");
+    // A start would have put it back.
+    assert_eq!(bench.word(flags), BLOCK_IF_FULL);
+    let flown: Vec<_> = bench.seen.motors.iter().map(|write| write.at_ns).collect();
+    let from = flown.partition_point(|at_ns| *at_ns < 1_500 * MILLISECOND_NS);
+    let longest = flown[from..].windows(2).map(|pair| pair[1] - pair[0]).max();
+    assert!(
+        longest.expect("motors") < 101 * MILLISECOND_NS,
+        "{longest:?}"
+    );
+    let last = bench.seen.motors.last().expect("motors");
+    assert!(
+        last.at_ns > 2_890 * MILLISECOND_NS && last.pulse_ns[0] > SHORTEST_NS,
+        "{last:?}"
+    );
 }
 
 /// The clock is put to 1.5 s before its 32 bits are full, 71.6 minutes, before the drone is armed:

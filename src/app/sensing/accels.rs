@@ -19,7 +19,7 @@ const AVERAGED: f32 = 5.0;
 /// A sample stands for the time since the one before, in s, and for no more than this.
 const LONGEST: f32 = 0.2;
 
-/// Cosine of 15 degrees: three times what zero-g offsets of both chips come to (0.05 g each).
+/// Cosine of 15 degrees. Zero-g offsets (0.05 g a chip) part the two by 5 degrees.
 const SAME_WAY: f32 = 0.966;
 /// Sine of a tilt (11 degrees) at which a turn about the vertical shows.
 const TILTED: f32 = 0.2;

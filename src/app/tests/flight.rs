@@ -153,8 +153,12 @@ fn each_check_refuses_to_arm_by_its_name() {
     }
 }
 
-fn measured(rig: &mut Rig, volts: f32) {
-    let reading = BatteryReading { volts, amps: 1.0 };
+/// A battery of three cells is measured.
+fn measured(rig: &mut Rig, cell_v: f32) {
+    let reading = BatteryReading {
+        volts: 3.0 * cell_v,
+        amps: 1.0,
+    };
     rig.autopilot.on_battery(at_micros(rig.now), &reading);
 }
 
@@ -634,7 +638,7 @@ fn the_field_is_logged_while_the_drone_is_turned_by_hand_and_never_in_flight() {
         if armed {
             rig = rig.readied();
         }
-        rig.milliseconds(200, |_| Some(rate));
+        rig.milliseconds(200, |now| Some(rate + (now / 1000 % 3) as i16));
         while rig.autopilot.next_event().is_some() {}
         let sample = ChipSample {
             input: Input::ChipMag,

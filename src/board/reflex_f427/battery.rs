@@ -6,7 +6,6 @@ use core::sync::atomic::{AtomicU16, Ordering};
 
 use reflex::app::{Autopilot, Recorder};
 use reflex::battery::BatteryReading;
-use reflex::config::{BATTERY_AMPS_PER_VOLT, BATTERY_VOLTS_PER_VOLT};
 use reflex::graph::ControlLogic;
 use reflex::tasks::Lock;
 use stm32f4xx_hal::gpio::{PC3, PC5};
@@ -17,8 +16,6 @@ use crate::board::now;
 
 /// Channels of PC3 and PC5.
 const CHANNELS: [u32; 2] = [13, 15];
-/// Volts of a step: 12 bit of the supply.
-const VOLTS: f32 = 3.3 / 4095.0;
 
 /// Where the controller stores both.
 static SAMPLES: [AtomicU16; 2] = [AtomicU16::new(0), AtomicU16::new(0)];
@@ -67,18 +64,13 @@ impl Gauge {
 
     /// The last conversion; zeros where there was none since the last look.
     fn read(&mut self) -> BatteryReading {
-        let [volts, amps] = SAMPLES.each_ref().map(|sample| {
-            let sample = sample.load(Ordering::Relaxed);
-            f32::from(sample) * VOLTS
-        });
-        for sample in &SAMPLES {
+        let steps = SAMPLES.each_ref().map(|sample| {
+            let steps = sample.load(Ordering::Relaxed);
             sample.store(0, Ordering::Relaxed);
-        }
+            steps
+        });
         self.0.cr2().modify(|_, w| w.swstart().start());
-        BatteryReading {
-            volts: volts * BATTERY_VOLTS_PER_VOLT,
-            amps: amps * BATTERY_AMPS_PER_VOLT,
-        }
+        BatteryReading::of_steps(steps)
     }
 
     /// Tells the autopilot what was measured, and the log a new state.

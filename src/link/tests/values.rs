@@ -282,7 +282,12 @@ fn one_thing_is_calibrated_at_a_time_and_settings_are_kept_or_forgotten() {
         let (found, _) = read(&frame(0, &command(number, parameters)));
         let found = match found[..] {
             [Incoming::Message { message, .. }] => Some(message),
-            [Incoming::Refused { answer, .. }] if answer == Answer::Denied => None,
+            [
+                Incoming::Refused {
+                    answer: Answer::Denied,
+                    ..
+                },
+            ] => None,
             _ => panic!("{found:?}"),
         };
         assert_eq!(found, expected, "{number:?} {parameters:?}");

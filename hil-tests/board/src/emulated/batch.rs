@@ -36,6 +36,8 @@ impl Event {
 pub(super) struct Batch {
     pub(super) at_ns: u64,
     pub(super) instructions: u64,
+    /// Entered so far.
+    pub(super) exceptions: u64,
     /// In order of time.
     pub(super) events: Vec<Event>,
     pub(super) calls: Vec<u8>,

@@ -4,6 +4,7 @@
 //! period it collects what happened into a [`Batch`]; at the instant the host
 //! asked for it waits for the next command.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender};
@@ -65,9 +66,12 @@ pub(super) struct RunLoop {
     stack: Range<u32>,
     watches: Vec<u64>,
     fatal: Vec<(u64, FaultKind)>,
+    /// Where exceptions are handled, and how many were entered.
+    handlers: BTreeSet<u64>,
+    exceptions: u64,
     feed: Option<Feed>,
     calls: Option<CallLog>,
-    log: RttLog,
+    log: Option<RttLog>,
     motors: VectorGatherer,
     health: Health,
     hits: Vec<Hit>,
@@ -95,6 +99,7 @@ impl RunLoop {
             .map(|place| Ok(u64::from(elf.place_of(place)?)));
         let feed = options.feed.as_ref().map(|feed| Feed::new(elf, feed));
         let calls = options.flies.then(|| elf.symbol(CALLS_SYMBOL));
+        let log = (!options.log_is_unread).then(|| elf.symbol("_SEGGER_RTT").map(RttLog::new));
         let fatal = FATAL
             .into_iter()
             .filter(|_| !options.survives)
@@ -110,9 +115,11 @@ impl RunLoop {
             stack: elf.stack()?,
             watches: watches.collect::<Result<_>>()?,
             fatal: fatal.collect::<Result<_>>()?,
+            handlers: elf.handlers().map(u64::from).collect(),
+            exceptions: 0,
             feed: feed.transpose()?,
             calls: calls.transpose()?.map(CallLog::new),
-            log: RttLog::new(elf.symbol("_SEGGER_RTT")?),
+            log: log.transpose()?,
             motors: VectorGatherer::default(),
             health: Health::new(Arc::clone(elf), options),
             hits: Vec::new(),
@@ -138,7 +145,12 @@ impl RunLoop {
         }
         let fatal = self.fatal.iter().map(|fatal| fatal.0);
         let asks = self.feed.iter().map(|feed| feed.asks);
-        for address in self.watches.iter().copied().chain(fatal).chain(asks) {
+        let handlers = self.handlers.iter().copied();
+        for address in (self.watches.iter().copied())
+            .chain(fatal)
+            .chain(asks)
+            .chain(handlers)
+        {
             session.watch(Watch::Instruction(address));
         }
         Ok(())
@@ -149,18 +161,13 @@ impl RunLoop {
         let mut batch = Batch {
             at_ns,
             instructions: stop.instruction_count,
+            exceptions: self.exceptions,
             reached: at_ns >= self.until_ns,
             ..Batch::default()
         };
         self.take_events(session, &mut batch);
         let mut memory = Memory(host);
-        let rings = self.log.read(&mut memory).and_then(|log| {
-            batch.log = log;
-            if let Some(calls) = &mut self.calls {
-                batch.calls = calls.read(&mut memory)?;
-            }
-            Ok(())
-        });
+        let rings = self.read_rings(&mut memory, &mut batch);
         let full = memory.is_full(&self.stack);
         let overflow = FaultKind::StackOverflow {
             available: self.stack.end - self.stack.start,
@@ -173,6 +180,16 @@ impl RunLoop {
             (Ok(false), Ok(())) => self.health.check(session, &batch),
         };
         batch
+    }
+
+    fn read_rings(&mut self, memory: &mut Memory<'_>, batch: &mut Batch) -> Result<(), FaultKind> {
+        if let Some(log) = &mut self.log {
+            batch.log = log.read(memory)?;
+        }
+        if let Some(calls) = &mut self.calls {
+            batch.calls = calls.read(memory)?;
+        }
+        Ok(())
     }
 
     fn take_events(&mut self, session: &mut Session<Rig>, batch: &mut Batch) {
@@ -279,6 +296,7 @@ impl RunLoop {
     }
 
     fn arrived(&mut self, session: &mut Session<Rig>, hit: WatchHit) {
+        self.exceptions += u64::from(self.handlers.contains(&hit.address));
         if let Some(watch) = self.watches.iter().position(|&at| at == hit.address) {
             let (at_ns, instructions) = (hit.at.0, hit.instruction_count);
             self.hits.push(Hit {

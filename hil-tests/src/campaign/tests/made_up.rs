@@ -3,6 +3,7 @@
 use crate::campaign::journal::{Landed, Stamp, flight_line};
 use crate::campaign::role::Role;
 use crate::campaign::sortie::{Job, Sortie, Tier};
+use crate::closed_loop::BatteryReport;
 use crate::closed_loop::report::{AxisErrors, Control, CrashReport, FlightReport};
 
 /// A fingerprint of no sources.
@@ -58,6 +59,7 @@ pub(in crate::campaign) fn landed(role: Role, seed: u32, pitch: f64) -> Landed {
         energy_per_minute_j: Some(8000.0),
         flight_time_s: Some(1300.0),
         wind_m_s: Some(0.3),
+        battery: BatteryReport::default(),
         faults: None,
         digest: "00".into(),
     };

@@ -8,7 +8,7 @@ use super::{FlyOptions, Flyer, Mission, Scene, SimulatedFlight, options};
 use crate::logics::{GainSet, LogicName};
 
 /// Verdicts on sensors and motors: what a flight without a fault never counts.
-const ALARMS: [Fault; 13] = [
+pub(crate) const ALARMS: [Fault; 13] = [
     Fault::ImuSilent,
     Fault::ImuStarved,
     Fault::ImuSpike,

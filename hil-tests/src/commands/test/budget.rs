@@ -4,7 +4,9 @@ use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
 
 use crate::costs::Budget;
+use crate::firmware as built;
 use crate::logics::LogicName;
+use crate::profile::flash_of_parts;
 use crate::progress::Progress;
 use crate::replay::emulated::replay;
 use crate::replay::options::ReplayOptions;
@@ -26,7 +28,8 @@ pub(super) fn check(progress: &mut dyn Progress) -> Result<()> {
         };
         let report = replay(&options, progress)?;
         let firmware = report.run.firmware.context("no firmware was replayed")?;
-        let compared = compare(&budget, &firmware);
+        let parts = flash_of_parts(&built::Firmware::build(*logic, progress)?)?;
+        let compared = compare(&budget, &firmware).and_then(|()| budget.check_flash(&parts));
         let within = compared.and_then(|()| compare_load(&report.score));
         within.with_context(|| format!("with the control logic {}", logic.word()))?;
     }

@@ -5,17 +5,19 @@ use reflex::sensors::Inputs;
 
 use crate::record::{AlignedRun, Observation};
 use crate::scoring::{LatencyPart, LatencySample, Quantiles};
+use emulated_board::{ENTRY_CYCLES, EXIT_CYCLES};
 
 /// Longer than this (ns) a write belongs to no hyperperiod's handler: the failsafe has its own.
 const LONGEST_RUN_NS: u64 = 300_000;
 
-/// The parts, in order; each begins where the one before ends.
-const PARTS: [&str; 5] = [
-    "interrupt to its handler",
-    "I2C burst, 18 bytes at 400 kHz",
-    "filter, sum, compare",
-    "run, to the last motor register",
-    "all, interrupt to motors",
+/// The parts, in order, each with the exceptions that are entered and left in it; each begins where the
+/// one before ends. The bus waits for each of the burst's five steps, and its end is an exception too.
+const PARTS: [(&str, [u64; 2]); 5] = [
+    ("interrupt to its handler", [1, 0]),
+    ("I2C burst, 18 bytes at 400 kHz", [6, 0]),
+    ("filter, sum, compare", [1, 1]),
+    ("run, to the last motor register", [0, 0]),
+    ("all, interrupt to motors", [8, 1]),
 ];
 
 /// Every run with the time from the interrupt of its newest gating sample.
@@ -41,6 +43,7 @@ pub(super) fn is_asked_by_sample(run: &AlignedRun) -> bool {
 pub(super) fn parts<'r>(
     observation: &Observation,
     runs: impl Iterator<Item = &'r AlignedRun>,
+    instructions_per_second: u64,
 ) -> Vec<LatencyPart> {
     let mut micros: [Vec<f64>; PARTS.len()] = Default::default();
     let by_sample = runs.filter(|run| is_asked_by_sample(run));
@@ -53,9 +56,13 @@ pub(super) fn parts<'r>(
     PARTS
         .iter()
         .zip(micros)
-        .map(|(part, micros)| LatencyPart {
-            part: (*part).to_owned(),
-            micros: Quantiles::of(micros),
+        .map(|((part, [entered, left]), micros)| {
+            let cycles = entered * ENTRY_CYCLES + left * EXIT_CYCLES;
+            LatencyPart {
+                part: (*part).to_owned(),
+                micros: Quantiles::of(micros),
+                exceptions_us: 1e6 * cycles as f64 / instructions_per_second as f64,
+            }
         })
         .collect()
 }

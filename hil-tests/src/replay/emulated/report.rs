@@ -50,7 +50,11 @@ impl BoardEvidence<'_, '_> {
                 &self.timeline.flight,
                 &latency::samples(&self.alignment.runs),
             ),
-            latency_parts_us: latency::parts(self.observation, self.scored_runs()),
+            latency_parts_us: latency::parts(
+                self.observation,
+                self.scored_runs(),
+                self.outcome.load.instructions_per_second,
+            ),
             cpu: Some(self.cpu()),
             board: Some(BoardTime {
                 virtual_s: self.outcome.ended_ns as f64 * 1e-9,
@@ -82,9 +86,12 @@ impl BoardEvidence<'_, '_> {
             .map(|length_ns| length_ns as f64 * rate)
             .collect();
         let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
+        let load = &self.outcome.load;
+        let has_steps = !self.timeline.flight.steps().is_empty();
         Cpu {
-            busy_fraction: (!self.timeline.flight.steps().is_empty())
-                .then(|| self.outcome.load.busy_fraction(from_ns)),
+            busy_fraction: has_steps.then(|| load.busy_fraction(from_ns)),
+            exceptions_per_second: has_steps.then(|| load.exceptions_per_second(from_ns)),
+            busy_with_exceptions: has_steps.then(|| load.busy_with_exceptions(from_ns)),
             instructions_per_run: (!lengths.is_empty()).then_some(mean),
         }
     }

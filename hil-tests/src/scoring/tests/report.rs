@@ -117,9 +117,12 @@ pub(super) fn run_report(flight: &FlightSteps) -> RunReport {
         latency_parts_us: vec![LatencyPart {
             part: "burst".to_owned(),
             micros: Quantiles::of([405.0, 406.0]),
+            exceptions_us: 0.43,
         }],
         cpu: Some(Cpu {
             busy_fraction: Some(0.1214),
+            exceptions_per_second: Some(6_200.0),
+            busy_with_exceptions: Some(0.1222),
             instructions_per_run: Some(4711.4),
         }),
         board: Some(BoardTime {
@@ -217,6 +220,8 @@ fn what_has_no_value_is_null_and_nothing_is_infinite() {
     let mut odd = report(&flight);
     odd.run.cpu = Some(Cpu {
         busy_fraction: Some(f64::NAN),
+        exceptions_per_second: None,
+        busy_with_exceptions: None,
         instructions_per_run: None,
     });
     let text = to_json(&odd).unwrap();

@@ -271,6 +271,11 @@ impl Engine {
             return;
         }
         if status.af().bit_is_set() {
+            if self.phase == Phase::Restart {
+                // A START is on its way: no STOP may be asked for, and its SB would begin the next
+                // transaction.
+                return self.abort_now();
+            }
             // The bus is well, and ours.
             self.end();
             return self.fail(crate::board::now());

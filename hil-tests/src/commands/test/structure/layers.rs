@@ -33,6 +33,7 @@ const LAYERS: [Layers; 2] = [
                 "faults",
                 "ground_station",
                 "json",
+                "mountings",
                 "output_file",
                 "progress",
                 "refusal",

@@ -9,6 +9,7 @@ use serde_json::Value;
 use super::cell;
 use crate::campaign::Findings;
 use crate::closed_loop::report::FlightReport;
+use crate::commands::memory::MemoryReport;
 use crate::costs::Costs;
 use crate::picture::GraphData;
 use crate::profile::Profile;
@@ -52,6 +53,10 @@ pub(super) fn page() -> String {
         ),
         section::<Scenarios>("faults", "What came of every scenario."),
         section::<Costs>("bench", "Counts of the emulated core."),
+        section::<MemoryReport>(
+            "memory",
+            "Code that is inlined counts for the part whose source it is of.",
+        ),
         section::<Profile>("profile", PROFILE),
         section::<GraphData>("graph", "A control logic as a graph."),
     ]
