@@ -128,9 +128,14 @@ pub fn flight(name: &str, seed: u64, script: impl FnOnce(&mut Dice) -> Vec<Part>
             at_ns += PERIOD_NS;
         }
     }
+    logged(format!("{name}, seed {seed}"), gyro, accel, mag)
+}
+
+/// A flight as a log that tells no more than what sensors felt.
+fn logged(name: String, gyro: Track<3>, accel: Track<3>, mag: Track<3>) -> Flight {
     let duration_ns = gyro.last_time_ns().expect("a lead at least");
     Flight {
-        name: format!("{name}, seed {seed}"),
+        name,
         format: LogFormat::Csv,
         duration_ns,
         part: Taken {

@@ -54,7 +54,8 @@ fn a_miss_that_began_in_one_window_is_not_counted_again_in_the_next() {
 
 #[test]
 fn what_is_left_out_is_neither_counted_nor_timed() {
-    let mut flight = after_warm_up(0.0).leaving_out(vec![2500..10_500]);
+    let gap = 2500..10_500;
+    let mut flight = after_warm_up(0.0).leaving_out(Vec::from([gap]));
     end(&mut flight, 0.0, None);
     assert!(!flight.leaves_out(2000) && flight.leaves_out(2500) && !flight.leaves_out(10_500));
     // A run in between: what it wrote is held behind.
