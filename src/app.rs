@@ -34,8 +34,8 @@ use crate::graph::{ControlLogic, Flown, Tuned};
 use crate::link::{Answer, Destination, ExternalPose, Message, Notice};
 use crate::math::{Quaternion, Vec3, wrapped};
 use crate::reactive::{
-    Column, FallbackReason, Fit, Foresight, Phase, PhaseEvent, Reactive, Refit, RefitJob, Review,
-    Run, Situation, Sounding,
+    Column, FallbackReason, Fit, Foresight, Labels, Phase, PhaseEvent, Reactive, Refit, RefitJob,
+    Review, Run, Situation, Sounding,
 };
 use crate::reset::Reset;
 use crate::safety::{FlightEvent, FlightState, MotorOutput, Passed, Safety};
@@ -684,6 +684,12 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
     #[must_use]
     pub fn threshold(&self, input: Input) -> f32 {
         self.reactive.threshold(input)
+    }
+
+    /// The labels of an input.
+    #[must_use]
+    pub fn labels(&self, input: Input) -> &Labels {
+        self.reactive.labels(input)
     }
 
     /// What the labels say of an input.

@@ -44,7 +44,7 @@ mod watch;
 pub use decision::{Decision, Rest};
 pub use exploration::Exploration;
 pub use fit::{EVIDENCE, Fit, Refit, RefitJob};
-pub use labels::{BIN_COUNT, Label, Labels};
+pub use labels::{BIN_COUNT, Counted, Label, Labels};
 pub use learners::changes_of;
 pub use limits::Limits;
 pub use logistic::Logistic;
@@ -672,6 +672,12 @@ impl Reactive {
     #[must_use]
     pub fn threshold(&self, input: Input) -> f32 {
         self.learners.lesson(input).decision.threshold()
+    }
+
+    /// The labels of an input.
+    #[must_use]
+    pub fn labels(&self, input: Input) -> &Labels {
+        &self.learners.lesson(input).labels
     }
 
     /// What the labels say of an input.

@@ -12,7 +12,6 @@
 mod comparison;
 mod crew;
 mod findings;
-mod interval;
 mod journal;
 mod known_plans;
 mod load;
@@ -38,10 +37,10 @@ use anyhow::{Context, Result};
 use crate::progress::Progress;
 use crate::refusal::Refusal;
 
+pub use crate::interval::Interval;
 pub use comparison::{Cell, Compared, Comparison, Metric};
 pub use crew::{Crew, Here};
 pub use findings::Findings;
-pub use interval::Interval;
 pub use plan::Plan;
 pub use shard::Shard;
 

@@ -27,6 +27,7 @@ mod simulated_arguments;
 mod sweep_arguments;
 mod sweep_text;
 mod test;
+mod tune;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -73,6 +74,8 @@ enum Command {
     Profile(profile::ProfileArguments),
     /// Measure flash, by part of the firmware, and RAM with each control logic
     Memory(memory::MemoryArguments),
+    /// Try the neighbours of every configured value on recorded flights, and propose what pays
+    Tune(Box<tune::TuneArguments>),
     /// Draw a control logic as a graph, for Graphviz and as SVG
     Graph(graph::GraphArguments),
     /// Try inputs that nobody meant on all that reads
@@ -106,6 +109,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Bench(arguments) => bench::run(arguments),
         Command::Profile(arguments) => profile::run(arguments),
         Command::Memory(arguments) => memory::run(arguments),
+        Command::Tune(arguments) => tune::run(arguments),
         Command::Graph(arguments) => graph::run(arguments),
         Command::Fuzz(arguments) => fuzz::run(arguments),
         Command::Magnetometer(arguments) => magnetometer::run(arguments),

@@ -14,6 +14,7 @@
 //! - [`costs`]: instructions, memory and locks of the firmware, against limits
 //! - [`profile`]: where the instructions of a flight go, by part, function and task
 //! - [`sweep`]: many of those over a grid of settings, drawn with [`plot`]
+//! - [`tune`]: what other settings would change on somebody's own flights, and which of them pays
 //! - [`fuzz`]: inputs that nobody meant, for all that reads
 //! - [`picture`]: control logics drawn as graphs
 //! - [`firmware`]: builds and measures the ELF, with the [`toolchain`] it needs
@@ -29,12 +30,14 @@ pub mod faults;
 pub mod firmware;
 pub mod fuzz;
 pub mod ground_station;
+mod interval;
 mod json;
 pub mod logics;
 mod magnetometer;
 mod mountings;
 mod native;
 mod output_file;
+mod page;
 mod parallel;
 pub mod picture;
 pub mod plot;
@@ -47,3 +50,4 @@ pub mod scenarios;
 pub mod scoring;
 pub mod sweep;
 pub mod toolchain;
+pub mod tune;

@@ -11,6 +11,7 @@
 mod asking;
 pub mod emulated;
 mod link_frames;
+pub(crate) mod logs;
 pub mod native;
 pub mod options;
 pub(crate) mod refusals;
@@ -18,5 +19,5 @@ mod report;
 mod setup;
 mod timeline;
 
-pub(crate) use report::options_in_effect;
+pub(crate) use report::{options_in_effect, unit_of};
 pub(crate) use setup::open_flight;

@@ -9,7 +9,6 @@
 
 mod chart;
 mod grid;
-mod logs;
 mod outcome;
 mod report;
 mod table;
@@ -25,14 +24,14 @@ use crate::replay::native;
 use crate::replay::options::ReplayOptions;
 use crate::scoring::Score;
 
+pub use crate::replay::logs::Skipped;
 pub use chart::trade_curves;
 pub use grid::{Axis, Grid, Parameter};
-pub use logs::Skipped;
 pub use outcome::Outcome;
 pub use report::{Median, SweepPoint, SweepReport};
 pub use table::tables;
 
-use logs::{Log, Logs};
+use crate::replay::logs::{self, Log, Logs};
 
 /// The options of a sweep, checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,7 +50,7 @@ pub struct SweepOptions {
 /// A log that cannot be replayed, where no folder was named; a folder without any; threads that
 /// cannot be started.
 pub fn sweep(options: &SweepOptions, progress: &mut dyn Progress) -> Result<SweepReport> {
-    let Logs { logs, mut skipped } = logs::open(options, progress)?;
+    let Logs { logs, mut skipped } = logs::open(&options.replay, progress)?;
     let points = options.grid.settings(options.replay.settings);
     progress.stage(&format!(
         "Flying {} settings on {} log{}",

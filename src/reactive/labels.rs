@@ -48,6 +48,17 @@ pub(super) struct Bin {
     pub(super) changed: Heap,
 }
 
+/// What a bin holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Counted {
+    /// Mean change of its labels, in the input's unit.
+    pub change: f32,
+    /// Weight of those that were *changed*.
+    pub changed: f32,
+    /// Weight of the others.
+    pub unchanged: f32,
+}
+
 /// Labels of one outcome in one bin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Heap {
@@ -230,6 +241,15 @@ impl Labels {
                 .into_iter()
                 .filter(|(heap, _)| heap.weight > 0.0)
                 .flat_map(move |(heap, changed)| heap.points(changed, ends))
+        })
+    }
+
+    /// What each bin that holds labels holds.
+    pub fn counted(&self) -> impl Iterator<Item = Counted> + '_ {
+        self.bins().map(|bin| Counted {
+            change: bin.sum() / bin.weight(),
+            changed: bin.changed.weight * self.due,
+            unchanged: bin.unchanged.weight * self.due,
         })
     }
 

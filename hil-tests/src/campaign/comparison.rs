@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::interval::Interval;
 use super::journal::{Landed, Records};
 use super::plan::{Plan, USUAL_HZ};
 use super::role::Role;
 use super::rule::{Contender, Rule};
 use super::sortie::{CellName, Sortie, Tier};
 use crate::closed_loop::report::FlightReport;
+use crate::interval::Interval;
 
 /// What a flight is judged by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]

@@ -6,13 +6,13 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::comparison::{self, Compared, Metric, Pair, comparisons};
-use super::interval::Interval;
 use super::journal::{Landed, Records, Ways};
 use super::load::{self, Load, learning_share};
 use super::plan::{Plan, USUAL_HZ};
 use super::role::Role;
 use super::sortie::{CellName, Sortie, Tier};
 use super::tuning::{self, Tuning};
+use crate::interval::Interval;
 
 /// Everything, over the flights that have been flown so far.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]

@@ -13,27 +13,12 @@ mod tables;
 mod trade;
 
 use anyhow::Result;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 
 use super::findings::Findings;
 use super::journal::Records;
 use super::plan::Plan;
-
-/// How the page looks, on a screen and on paper.
-const STYLE: &str = "
-body { font: 16px/1.5 sans-serif; color: #222; margin: 2em auto; max-width: 1500px; padding: 0 1em }
-p, ul { max-width: 60em }
-table { border-collapse: collapse; font-size: 14px; display: block; overflow-x: auto }
-th, td { padding: 2px 8px; text-align: right; white-space: nowrap; border-bottom: 1px solid #ddd }
-th { vertical-align: bottom; border-bottom: 2px solid #222 }
-th.name, td.name { text-align: left }
-td.better { color: #006b4f } td.worse { color: #b03a00 }
-figure { margin: 2em 0 } figcaption { max-width: 60em }
-svg { max-width: 100%; height: auto }
-.paper { border-left: 4px solid #bbb; padding-left: 1em }
-.warning { border-left: 4px solid #b03a00; padding-left: 1em }
-@media print { figure { break-inside: avoid } }
-";
+use crate::page::page;
 
 /// What a campaign has to show.
 pub struct Report {
@@ -66,29 +51,19 @@ pub fn report(plan: &Plan, records: &Records, findings: &Findings, date: &str) -
     let mut figures = figures::all(plan, records, findings)?;
     figures.extend(trade::figures(plan, findings)?);
     figures.push(rate_sweep::figure(plan, findings)?);
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Reactive against periodic control: campaign " (plan.name) }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                h1 { "Reactive against periodic control" }
-                (headline::section(findings))
-                h2 { "Figures" }
-                @for shown in &figures { (figure(shown)) }
-                (tables::section(plan, findings))
-                (method::section(plan, findings))
-                // On a line of its own, so that two reports of the same flights differ in that alone.
-                (PreEscaped("\n")) p { "Written on " (date) "." } (PreEscaped("\n"))
-            }
-        }
+    let title = format!("Reactive against periodic control: campaign {}", plan.name);
+    let body = html! {
+        h1 { "Reactive against periodic control" }
+        (headline::section(findings))
+        h2 { "Figures" }
+        @for shown in &figures { (figure(shown)) }
+        (tables::section(plan, findings))
+        (method::section(plan, findings))
+        // On a line of its own, so that two reports of the same flights differ in that alone.
+        (PreEscaped("\n")) p { "Written on " (date) "." } (PreEscaped("\n"))
     };
     Ok(Report {
-        page: page.into_string() + "\n",
+        page: page(&title, &body),
         figures,
     })
 }

@@ -12,6 +12,7 @@ use std::sync::Arc;
 
 use anyhow::{Result, bail};
 use reflex::app::Stamped;
+use reflex::reactive::{Fit, Labels};
 use reflex::sensors::{Input, Inputs};
 use reflex::settings::Policy;
 
@@ -49,6 +50,35 @@ pub fn fly(flight: &Flight, options: &ReplayOptions) -> Result<Vec<Stamped>> {
 pub fn fly_and_score(flight: &Flight, options: &ReplayOptions) -> Result<Score> {
     let calls = fly(flight, options)?;
     Ok(timeline(&calls, flight, options, &flight.name)?.score(None))
+}
+
+/// Flies a flight and scores it; also what every input learned.
+///
+/// # Errors
+/// As [`fly_and_score`].
+pub(crate) fn fly_and_learn(
+    flight: &Flight,
+    options: &ReplayOptions,
+) -> Result<(Score, Vec<Learned>)> {
+    let calls = fly(flight, options)?;
+    let timeline = timeline(&calls, flight, options, &flight.name)?;
+    let autopilot = timeline.mirror.autopilot();
+    let learned = Input::ALL.map(|input| Learned {
+        input,
+        labels: *autopilot.labels(input),
+        fit: autopilot.fit(input),
+        threshold: autopilot.threshold(input),
+    });
+    Ok((timeline.score(None), learned.into()))
+}
+
+/// What an input learned by the end of a flight, in the firmware's units.
+#[derive(Clone, Debug)]
+pub(crate) struct Learned {
+    pub(crate) input: Input,
+    pub(crate) labels: Labels,
+    pub(crate) fit: Fit,
+    pub(crate) threshold: f32,
 }
 
 /// Flies a flight once more, without the inputs that know the command; `None` where none triggers.

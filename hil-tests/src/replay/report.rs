@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use reflex::app::{Call, ChipAction, ChipSetting, Fault, Outcome};
 use reflex::reactive::{Fit, Phase};
 use reflex::sensors::{Cause, Input, Unit};
+use reflex::settings::Settings;
 
 use super::asking::Asking;
 use super::options::ReplayOptions;
@@ -44,6 +45,16 @@ pub(crate) struct Evidence<'r, 'c> {
 pub(crate) fn scored_from_us(timeline: &Timeline<'_>) -> u64 {
     let flight = &timeline.flight;
     flight.warm_up_end_us().unwrap_or(flight.last_us())
+}
+
+/// The unit of an input's changes in a report, and how much of the firmware's it is.
+pub(crate) fn unit_of(input: Input, settings: &Settings) -> (&'static str, f32) {
+    // Commands are shares of full scale in the firmware.
+    match input.declaration().unit {
+        Unit::Named(name) => (name, 1.0),
+        Unit::Quantum => ("quanta", settings.quantum),
+        Unit::QuantumTime => ("quantum ms", settings.quantum * 1e-3),
+    }
 }
 
 impl Evidence<'_, '_> {
@@ -124,12 +135,7 @@ impl Evidence<'_, '_> {
         } = self.timeline;
         let asking = Asking::of(input, calls, verdicts, scored_from_us(self.timeline));
         let fit = self.timeline.mirror.autopilot().fit(input);
-        // Commands are shares of full scale in the firmware.
-        let (unit_name, unit) = match input.declaration().unit {
-            Unit::Named(name) => (name, 1.0),
-            Unit::Quantum => ("quanta", self.options.settings.quantum),
-            Unit::QuantumTime => ("quantum ms", self.options.settings.quantum * 1e-3),
-        };
+        let (unit_name, unit) = unit_of(input, &self.options.settings);
         let model = match fit {
             Fit::Model(model) => Some(model),
             Fit::Unfit | Fit::Irrelevant => None,

@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 
 use super::SweepOptions;
 use super::grid::{Grid, Parameter};
-use super::logs::{Log, Skipped};
 use super::outcome::Outcome;
+use crate::replay::logs::{Log, Skipped};
 use crate::replay::options_in_effect;
 use crate::scoring::Score;
 

@@ -1,7 +1,7 @@
 //! Panels of bars: environments side by side, a bar for each airframe.
 
-use crate::campaign::interval::Interval;
 use crate::campaign::plan::Plan;
+use crate::interval::Interval;
 use crate::plot::{Axis, Curve, Look, Marker, Panel, Point, Scale};
 
 /// Colours of environments where airframes are in the same figure.

@@ -6,11 +6,11 @@ use super::bars::{self, COLOURS, OTHERS, point};
 use super::{Shown, paper};
 use crate::campaign::comparison::{Compared, Metric, shown_in};
 use crate::campaign::findings::{Findings, Means, Swept};
-use crate::campaign::interval::Interval;
 use crate::campaign::journal::Records;
 use crate::campaign::plan::{Plan, USUAL_HZ};
 use crate::campaign::role::Role;
 use crate::campaign::sortie::Sortie;
+use crate::interval::Interval;
 use crate::plot::{Axis, Curve, Figure, Look, Marker, Panel, Point, Scale};
 
 /// Least panels beside each other; otherwise as many as there are control logics.

@@ -6,8 +6,8 @@ use super::paper;
 use super::tables::percent;
 use crate::campaign::comparison::{Cell, Compared, Metric, shown_in};
 use crate::campaign::findings::Findings;
-use crate::campaign::interval::Interval;
 use crate::campaign::role::Role;
+use crate::interval::Interval;
 
 /// The first section.
 pub fn section(findings: &Findings) -> Markup {

@@ -4,10 +4,10 @@ use maud::{Markup, html};
 
 use crate::campaign::comparison::{Cell, Compared, Metric};
 use crate::campaign::findings::{Findings, Means};
-use crate::campaign::interval::Interval;
 use crate::campaign::margins;
 use crate::campaign::plan::Plan;
 use crate::campaign::sortie::CellName;
+use crate::interval::Interval;
 
 /// What the table of improvements has columns of.
 const SHOWN: [Metric; 5] = [

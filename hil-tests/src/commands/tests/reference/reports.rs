@@ -16,6 +16,7 @@ use crate::profile::Profile;
 use crate::scenarios::Scenarios;
 use crate::scoring::Report;
 use crate::sweep::SweepReport;
+use crate::tune::TuneReport;
 
 const PREFACE: &str = "\
 # Reports
@@ -34,6 +35,10 @@ The sweep flies its grid on every core and prints a table for each log, and one 
 logs. The figure shows the same as trade curves. The table counts every deviation in quanta of one size, even
 where the quantum is swept. The same sweep gives the same bytes.";
 
+const TUNE: &str = "\
+Every value is flown natively against the configuration on the same logs. A change in % is the mean of the pairs'
+ratios by their logarithm. The same logs and options give the same bytes.";
+
 const PROFILE: &str = "\
 Of both, a replay and a simulated flight. Every instruction of the scored part is in one part, one function and one
 task. The same options give the same bytes.";
@@ -43,6 +48,7 @@ pub(super) fn page() -> String {
         PREFACE.to_owned(),
         section::<Report>("replay", REPLAY),
         section::<SweepReport>("replay --sweep", SWEEP),
+        section::<TuneReport>("tune", TUNE),
         section::<FlightReport>(
             "fly",
             "The scored part begins when the drone is up and has learned.",

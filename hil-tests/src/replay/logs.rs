@@ -1,4 +1,4 @@
-//! The logs of a sweep: one, or all that a folder holds.
+//! The logs that are flown with many settings: one, or all that a folder holds.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -7,15 +7,15 @@ use anyhow::{Error, Result};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::SweepOptions;
+use super::options::ReplayOptions;
+use super::{open_flight, refusals};
 use crate::progress::Progress;
 use crate::refusal::Refusal;
-use crate::replay::{open_flight, refusals};
 use recorded_flights::{Flight, FlightError};
 
 /// A flight with the path that it was read from.
 #[derive(Clone, Debug)]
-pub(super) struct Log {
+pub(crate) struct Log {
     /// The path, as it was given or found.
     pub name: String,
     pub flight: Flight,
@@ -32,7 +32,7 @@ pub struct Skipped {
 
 impl Skipped {
     /// A file with the refusal that it met.
-    pub(super) fn new(log: &str, error: &Error) -> Self {
+    pub(crate) fn new(log: &str, error: &Error) -> Self {
         let text = format!("{error:#}");
         // The list names the file already.
         let reason = text.strip_prefix(&format!("{log}: ")).unwrap_or(&text);
@@ -45,13 +45,13 @@ impl Skipped {
 
 /// What there is to fly.
 #[derive(Debug, Default)]
-pub(super) struct Logs {
+pub(crate) struct Logs {
     pub logs: Vec<Log>,
     pub skipped: Vec<Skipped>,
 }
 
 /// Whether the log was at fault, and not this program.
-pub(super) fn is_refusal(error: &Error) -> bool {
+pub(crate) fn is_refusal(error: &Error) -> bool {
     error.is::<Refusal>() || error.is::<FlightError>()
 }
 
@@ -60,8 +60,7 @@ pub(super) fn is_refusal(error: &Error) -> bool {
 /// # Errors
 /// A log that cannot be replayed where it is the only one named; a folder that cannot be read
 /// or holds no log.
-pub(super) fn open(options: &SweepOptions, progress: &mut dyn Progress) -> Result<Logs> {
-    let replay = &options.replay;
+pub(crate) fn open(replay: &ReplayOptions, progress: &mut dyn Progress) -> Result<Logs> {
     let folder = match &replay.log {
         Some(path) if path.is_dir() => path,
         _ => {
@@ -77,7 +76,7 @@ pub(super) fn open(options: &SweepOptions, progress: &mut dyn Progress) -> Resul
     let files = files_of(folder)?;
     let mut logs = Logs::default();
     for (done, path) in files.iter().enumerate() {
-        match open_one(options, path) {
+        match open_one(replay, path) {
             Ok(log) => logs.logs.push(log),
             Err(error) => {
                 let name = path.display().to_string();
@@ -93,7 +92,7 @@ pub(super) fn open(options: &SweepOptions, progress: &mut dyn Progress) -> Resul
 }
 
 /// The refusal of a folder in which nothing can be flown.
-pub(super) fn no_log(folder: &Path, skipped: &[Skipped]) -> Refusal {
+pub(crate) fn no_log(folder: &Path, skipped: &[Skipped]) -> Refusal {
     let folder = folder.display();
     Refusal::new(match skipped.first() {
         None => format!("{folder}: is an empty folder, name one with logs"),
@@ -119,12 +118,12 @@ fn files_of(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(names.into_iter().map(|name| folder.join(name)).collect())
 }
 
-fn open_one(options: &SweepOptions, path: &Path) -> Result<Log> {
+fn open_one(replay: &ReplayOptions, path: &Path) -> Result<Log> {
     let name = path.display().to_string();
     if path.is_dir() {
         return Err(Refusal::new("is a folder, and folders in folders are not searched").into());
     }
-    let flight = Flight::read(path, options.replay.reading.clone())?;
-    refusals::check_flight(&options.replay, &flight, &name)?;
+    let flight = Flight::read(path, replay.reading.clone())?;
+    refusals::check_flight(replay, &flight, &name)?;
     Ok(Log { name, flight })
 }
