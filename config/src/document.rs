@@ -79,6 +79,19 @@ impl Document {
         })
     }
 
+    /// Refuses a number that is not below another one of the file.
+    pub(crate) fn check_below(
+        &self,
+        values: &Values,
+        [lower, upper]: [&str; 2],
+    ) -> Result<(), ConfigError> {
+        let limit = values.number(upper);
+        if values.number(lower) < limit {
+            return Ok(());
+        }
+        Err(self.error_at(lower, format!("must be below {upper}, {limit}")))
+    }
+
     /// An error of one key, for what only several values together can show.
     ///
     /// Numbers in `path` are places in a list, from 0.

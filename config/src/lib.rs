@@ -123,6 +123,7 @@ pub fn load_chosen(
 
     let board_file = selected("board", "boards", &mut selection.board)?;
     let board = board_file.values(&board::file())?;
+    board::check(&board, &board_file)?;
 
     let document = selected("airframe", "airframes", &mut selection.airframe)?;
     let airframe: Airframe = document.parse()?;
@@ -138,7 +139,9 @@ pub fn load_chosen(
         board: &board,
     };
     files.check(&document, &board_file)?;
-    let safety = Document::open(&dir.join("safety.toml"))?.values(&safety::file())?;
+    let document = Document::open(&dir.join("safety.toml"))?;
+    let safety = document.values(&safety::file())?;
+    safety::check(&safety, &document)?;
     let settings = files
         .settings()
         .ok_or_else(|| ConfigError::of_file(dir, "a setting has a value of another kind"))?;

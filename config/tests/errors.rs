@@ -75,6 +75,10 @@ airframes/quad_x.toml | spin = "cw" | spin = "left" | motors.2.spin: unknown var
 const UNFIT: &str = r#"
 reactive.toml | longest_s = 30 | longest_s = 2 | warm_up.shortest_s: 3 is out of range, must be 0 to longest_s, 2 s
 reactive.toml | smallest_change = 0.005 | smallest_change = 4 | inputs.gyro.smallest_change: must be below
+safety.toml | most_thrust = 0.05 | most_thrust = 0.2 | arming.most_thrust: must be below ground.idle_thrust, 0.15
+safety.toml | lifting_thrust = 0.25 | lifting_thrust = 0.1 | ground.idle_thrust: must be below ground.lifting_thrust, 0.1
+boards/reflex_f427.toml | low_v = 3.5 | low_v = 3.3 | battery.critical_v: must be below battery.low_v, 3.3
+boards/reflex_f427.toml | cells = 0 | cells = 1 | battery.least_v: must be below critical_v of all cells, 3.3 V
 airframes/quad_x.toml | spin = "cw" | spin = "ccw" | motors: 1 of 4 spin cw, must be half
 airframes/quad_x.toml | angle_deg = 315 | angle_deg = 300 | motors: equal thrust would roll: the mean lever is 0.04 of an arm
 airframes/quad_x.toml | angle_deg = 315 | angle_deg = 45 | motors: equal thrust would roll: the mean lever is 0.35 of an arm

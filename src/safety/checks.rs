@@ -107,6 +107,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_page_has_a_row_for_each_and_no_other() {
+        let page = include_str!("../../docs/safety.md");
+        let (_, table) = page
+            .split_once("| check | passes where |\n|---|---|\n")
+            .expect("it");
+        let rows = table.lines().take_while(|line| line.starts_with('|'));
+        let names = rows.filter_map(|row| row.split(" | ").next());
+        let checks = Check::ALL.map(|check| format!("| {check:?}"));
+        assert_eq!(names.collect::<Vec<_>>(), checks);
+    }
+
+    #[test]
     fn those_that_failed_are_told_one_by_one() {
         let checks = Checks::NONE
             .and(Check::Tilt, false)

@@ -27,16 +27,6 @@ impl<L: ControlLogic> Rig<L> {
         self.autopilot.telemetry().state
     }
 
-    /// What the pilot was told since the last look.
-    fn told_pilot(&mut self) -> Vec<String> {
-        let lines = core::iter::from_fn(|| {
-            let notice = self.autopilot.notice()?;
-            self.autopilot.on_told();
-            Some(String::from_utf8(notice.line().collect()).expect("ASCII"))
-        });
-        lines.collect()
-    }
-
     fn shares(&self) -> MotorShares {
         self.outputs.last().expect("runs").1
     }
@@ -104,7 +94,7 @@ fn armed_at_no_thrust_the_drone_flies_what_comes_then() {
 #[test]
 fn each_check_refuses_to_arm_by_its_name() {
     type Spoil = fn(&mut Rig);
-    let cases: [(Check, Spoil); 7] = [
+    let cases: [(Check, Spoil); 9] = [
         (Check::Setpoint, |_| {}),
         (Check::Thrust, |rig| rig.fly_at(0.3)),
         (Check::Still, |rig| {
@@ -119,6 +109,19 @@ fn each_check_refuses_to_arm_by_its_name() {
         (Check::Imu, |rig| {
             rig.fly_at(0.0);
             rig.milliseconds(300, |_| None);
+        }),
+        (Check::Calibration, |rig| {
+            rig.fly_at(0.0);
+            rig.milliseconds(300, |_| None);
+            rig.milliseconds(100, still);
+        }),
+        (Check::MotorTest, |rig| {
+            rig.fly_at(0.0);
+            rig.tell(&Message::TestMotor(MotorTest {
+                motor: 0,
+                share: 0.1,
+                length: micros(500_000),
+            }));
         }),
         (Check::Configuration, |rig| {
             rig.fly_at(0.0);
@@ -163,12 +166,28 @@ fn measured(rig: &mut Rig, cell_v: f32) {
 }
 
 #[test]
+fn motors_that_were_not_answered_are_armed_no_more_until_the_next_start() {
+    let mut rig = Rig::new(SETTINGS).standing();
+    rig.autopilot.on_fault(at_micros(rig.now), Fault::Contrary);
+    for _ in 0..2 {
+        rig.milliseconds(3_000, still);
+        rig.fly_at(0.0);
+        rig.told_pilot();
+        assert_eq!(rig.tell(&ARM), Some(Answer::TemporarilyRejected));
+        let refusal = format!("not armed: {}", Check::Motors.text());
+        assert_eq!(rig.told_pilot(), [refusal]);
+        rig.tell(&DISARM);
+    }
+}
+
+#[test]
 fn a_battery_that_is_nearly_empty_ends_the_flight_and_a_low_one_begins_none() {
     let mut rig = Rig::new(SETTINGS).standing();
     measured(&mut rig, BATTERY_LOW_V - 0.1);
     rig.fly_at(0.0);
     assert_eq!(rig.tell(&ARM), Some(Answer::TemporarilyRejected));
-    assert_eq!(rig.told_pilot()[0], "battery: low, land");
+    let refusal = format!("not armed: {}", Check::Battery.text());
+    assert_eq!(rig.told_pilot(), ["battery: low, land", &refusal]);
     let mut rig = Rig::armed(SETTINGS);
     rig.flown(2_000, gusty);
     measured(&mut rig, BATTERY_CRITICAL_V - 0.1);

@@ -161,6 +161,16 @@ impl<L: ControlLogic> Rig<L> {
         answer
     }
 
+    /// What the pilot was told since the last look.
+    pub fn told_pilot(&mut self) -> Vec<String> {
+        let lines = core::iter::from_fn(|| {
+            let notice = self.autopilot.notice()?;
+            self.autopilot.on_told();
+            Some(String::from_utf8(notice.line().collect()).expect("ASCII"))
+        });
+        lines.collect()
+    }
+
     pub fn phase(&self) -> Phase {
         self.autopilot.telemetry().phase
     }

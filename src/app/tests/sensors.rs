@@ -3,6 +3,7 @@
 use super::*;
 use crate::math::Quaternion;
 use crate::reactive::FallbackReason;
+use crate::safety::Check;
 use crate::sensors::ImuReading;
 
 /// Does something to a sample.
@@ -239,13 +240,18 @@ fn a_gyroscope_that_drifts_before_arming_is_learned_and_the_level_agrees_again()
     let drift = (15.0 * 16.4) as i16;
     rig.milliseconds(480, |now| Some(drift + breath(now, 0) as i16));
     assert!(rig.autopilot.health().level_disagrees);
+    rig.fly_at(0.0);
+    let arm = Message::Arm(ArmCommand::ARM);
+    assert_eq!(rig.tell(&arm), Some(Answer::TemporarilyRejected));
+    let told = rig.told_pilot();
+    assert!(
+        told.iter().any(|line| line.contains(Check::Level.text())),
+        "{told:?}"
+    );
     rig.milliseconds(1_200, |now| Some(drift + breath(now, 0) as i16));
     assert!(!rig.autopilot.health().level_disagrees);
     rig.fly_at(0.0);
-    assert_eq!(
-        rig.tell(&Message::Arm(ArmCommand::ARM)),
-        Some(Answer::Accepted)
-    );
+    assert_eq!(rig.tell(&arm), Some(Answer::Accepted));
     let level = rig.autopilot.telemetry().attitude.down_in_body();
     assert!(level.z > 0.999);
 }
