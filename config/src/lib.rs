@@ -123,6 +123,7 @@ pub fn load_chosen(
 
     let board_file = selected("board", "boards", &mut selection.board)?;
     let board = board_file.values(&board::file())?;
+    board::check(&board_file, &board)?;
 
     let document = selected("airframe", "airframes", &mut selection.airframe)?;
     let airframe: Airframe = document.parse()?;
