@@ -740,7 +740,13 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
             self.record.fault(Fault::NotFinite);
             return None;
         }
-        let state = self.battery.take(at, reading.volts, reading.amps)?;
+        let stands = !self.stands_no_longer();
+        let state = self.battery.take(at, reading, stands);
+        if self.battery.collapses() && !stands {
+            self.record.fault(Fault::BatteryCollapsed);
+            self.record.notice(notice::BATTERY_COLLAPSED);
+        }
+        let state = state?;
         self.record.notice(notice::battery(state));
         Some(state)
     }

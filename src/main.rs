@@ -42,7 +42,7 @@ mod app {
     use crate::board::guarded::{Guarded, Piloted};
     use crate::board::{
         self, ChipLine, Chips, Engine, Gauge, ImuLine, Keeper, Link, Motors, SIGNS, Sign, Started,
-        Watchdog, calls, now, sleep, sleep_until,
+        Watchdog, calls, now, sleep_until,
     };
     use cortex_m::singleton;
     use defmt_rtt as _;
@@ -248,17 +248,16 @@ mod app {
         cx.shared.link.lock(|link| link.port().on_sent());
     }
 
-    /// Once a second: measures the battery, tells the peer that the drone is there, and its state.
+    /// Measures the battery; once a second tells the peer that the drone is there, and its state.
     #[task(priority = 2, local = [gauge], shared = [link, autopilot])]
     async fn heartbeat(cx: heartbeat::Context) {
         let (mut link, mut autopilot) = (Guarded(cx.shared.link), Piloted(cx.shared.autopilot));
         loop {
-            cx.local.gauge.tell(&mut autopilot);
             if let Some(counters) = link::beat(&mut Vectors, &mut link, &mut autopilot) {
                 defmt::warn!("link: {}", counters);
             }
             SIGNS.give(Sign::Link);
-            sleep(link::BEAT).await;
+            cx.local.gauge.watch(link::BEAT, &mut autopilot).await;
         }
     }
 

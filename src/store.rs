@@ -50,10 +50,12 @@ numbered! {
         Sound,
         /// What was stored, or was before the last save, once.
         OneCopy,
-        /// What another version stored, or values that this one does not know: they are not used.
+        /// What another version stored, or values out of their ranges: none is used.
         OtherVersion,
         /// Something that is no store.
         Damaged,
+        /// Values, some of which this version does not know: the others are used.
+        PartlyKnown,
     }
 }
 
@@ -61,7 +63,7 @@ impl Found {
     /// True where something that was stored is not in force.
     #[must_use]
     pub fn is_loss(self) -> bool {
-        matches!(self, Self::OtherVersion | Self::Damaged)
+        matches!(self, Self::OtherVersion | Self::Damaged | Self::PartlyKnown)
     }
 }
 

@@ -83,6 +83,7 @@ airframes/quad_x.toml | spin = "cw" | spin = "ccw" | motors: 1 of 4 spin cw, mus
 airframes/quad_x.toml | angle_deg = 315 | angle_deg = 300 | motors: equal thrust would roll: the mean lever is 0.04 of an arm
 airframes/quad_x.toml | angle_deg = 315 | angle_deg = 45 | motors: equal thrust would roll: the mean lever is 0.35 of an arm
 boards/reflex_f427.toml | imu_rate_hz = 1000 | imu_rate_hz = 125 | filters.gyro_cutoff_hz: 80 is out of range, must be 5 to 0.45 times imu_rate_hz, 56.25 Hz
+boards/reflex_f427.toml | critical_v = 3.3 | critical_v = 2.9 | battery.collapsed_v: must be below battery.critical_v, 2.9
 selection.toml | airframe = "quad_x" | airframe = "hexa" | airframe: airframes/hexa.toml does not exist, must be one of: hexa_x, quad_x
 selection.toml | airframe = "quad_x" | airframe = "../boards/reflex_f427" | airframe: airframes
 "#;

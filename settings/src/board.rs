@@ -155,6 +155,10 @@ pub const BOARD: &[Setting] = &[
         .default("3.3")
         .named("BATTERY_CRITICAL_V")
         .meaning("Voltage of a cell below which the battery is nearly empty."),
+    battery("collapsed_v", Kind::Number(within(2.0, 4.2)), "V")
+        .default("3")
+        .named("BATTERY_COLLAPSED_V")
+        .meaning("Voltage of a cell that is too low for any load."),
     battery("margin_v", Kind::Number(within(0.0, 0.5)), "V")
         .default("0.1")
         .named("BATTERY_MARGIN_V")

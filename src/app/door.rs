@@ -77,6 +77,8 @@ numbered! {
         ImuEdge,
         /// A position was further from where motion leads than can be: not used.
         PlaceJump,
+        /// The battery's voltage is lower than any load explains, or gone.
+        BatteryCollapsed,
     }
 }
 

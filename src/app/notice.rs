@@ -81,6 +81,10 @@ pub(super) const fn battery(state: BatteryState) -> Notice {
     Notice::new(severity, "battery", why)
 }
 
+/// The voltage is lower than any load explains, or gone.
+pub(super) const BATTERY_COLLAPSED: Notice =
+    Notice::new(Severity::Critical, "battery", "voltage collapsed, land");
+
 /// The source of places moved its frame.
 pub(super) const PLACE_RESET: Notice =
     Notice::new(Severity::Info, "places reset", "the goal moves along");
@@ -103,7 +107,13 @@ mod tests {
             .chain(Check::ALL.map(not_armed))
             .chain(silences)
             .chain((0..=8).map(motor_lost))
-            .chain([NOT_DISARMED, CONTRARY, PLACE_RESET, PLACE_JUMPED])
+            .chain([
+                NOT_DISARMED,
+                CONTRARY,
+                PLACE_RESET,
+                PLACE_JUMPED,
+                BATTERY_COLLAPSED,
+            ])
             .chain([
                 CALIBRATED,
                 CALIBRATE_ARMED,

@@ -13,7 +13,7 @@ use crate::store::{Content, Found, NotSaved, Store};
 
 /// What is configured with the parameters that are stored; and what that means for what was found.
 ///
-/// Parameters of another build that mean nothing here, or are out of a range, are of another version.
+/// Parameters of another build that mean nothing here are left out; one out of its range has all refused.
 #[inline(never)]
 pub fn restored<G: Gains>(
     configured: &Start<G>,
@@ -22,7 +22,7 @@ pub fn restored<G: Gains>(
 ) -> (Start<G>, Found) {
     match configured.with(parameters, &LIMITS) {
         Ok((start, 0)) => (start, found),
-        Ok((start, _)) => (start, Found::OtherVersion),
+        Ok((start, _)) => (start, Found::PartlyKnown),
         Err(_) => (*configured, Found::OtherVersion),
     }
 }

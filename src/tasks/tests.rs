@@ -402,14 +402,18 @@ fn what_was_set_once_holds_at_the_next_start() {
 }
 
 #[test]
-fn what_this_build_does_not_know_is_of_another_version() {
+fn what_this_build_does_not_know_is_left_out_and_values_out_of_range_have_all_refused() {
     let unknown = Parameter {
         number: 1,
         word: [0; 4],
     };
     let restored = |parameters: &[Parameter]| restored(&CONFIGURED, parameters, Found::Sound);
     assert_eq!(restored(&[]), (CONFIGURED, Found::Sound));
-    assert_eq!(restored(&[unknown]), (CONFIGURED, Found::OtherVersion));
+    let mut known = CONFIGURED;
+    known.settings.p_run = 0.7;
+    let mut both = vec![unknown];
+    known.beyond(&CONFIGURED, &mut |parameter| both.push(parameter));
+    assert_eq!(restored(&both), (known, Found::PartlyKnown));
     let mut wrong = CONFIGURED;
     wrong.settings.p_run = 7.0;
     let mut held = vec![];

@@ -27,14 +27,16 @@ pub(super) enum Event {
     Chips,
     /// A frame of the link has been received.
     Frame,
-    /// A second has passed: the battery is measured.
+    /// A second has passed.
     Beat,
+    /// The battery is measured.
+    Gauge,
     /// A model was refitted.
     Refit,
 }
 
 impl Event {
-    const ALL: [Self; 12] = [
+    const ALL: [Self; 13] = [
         Self::ImuInterrupt,
         Self::ImuMissed,
         Self::DieInterrupt,
@@ -46,6 +48,7 @@ impl Event {
         Self::Chips,
         Self::Frame,
         Self::Beat,
+        Self::Gauge,
         Self::Refit,
     ];
 }

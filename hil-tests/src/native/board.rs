@@ -158,6 +158,7 @@ impl NativeBoard {
         self.spi_time.forget_longest();
         self.agenda.set(Event::Timer, BOOT_NS);
         self.agenda.set(Event::Beat, BOOT_NS);
+        self.agenda.set(Event::Gauge, BOOT_NS);
         self.agenda.set(Event::ImuMissed, self.imu_line.due_ns());
         self.watch_imu();
         self.watch_chips();
@@ -191,6 +192,7 @@ impl NativeBoard {
                 Event::Chips => self.on_chips(),
                 Event::Frame => self.on_frame(),
                 Event::Beat => self.on_beat(),
+                Event::Gauge => self.on_gauge(),
                 Event::Refit => self.on_refit(),
             }
         }

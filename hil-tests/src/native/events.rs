@@ -4,6 +4,7 @@
 
 use embedded_hal::i2c::I2c;
 use reflex::app::Fault;
+use reflex::battery;
 use reflex::reactive::Fit;
 use reflex::sensors::Input;
 use reflex::tasks::chips::{self, Work};
@@ -179,10 +180,16 @@ impl NativeBoard {
         self.receive_next_frame();
     }
 
-    /// Measures the battery, then says that the drone is there.
-    pub(super) fn on_beat(&mut self) {
+    /// Measures the battery.
+    pub(super) fn on_gauge(&mut self) {
         let now = self.vectors.now;
         self.pilot.on_battery(now, &self.gauge.look());
+        self.agenda.set(Event::Gauge, nanos(now + battery::LOOK));
+    }
+
+    /// Says that the drone is there.
+    pub(super) fn on_beat(&mut self) {
+        let now = self.vectors.now;
         let pilot = &mut Unshared(&mut self.pilot);
         link::beat(&mut self.vectors, &mut Unshared(&mut self.link), pilot);
         self.agenda.set(Event::Beat, nanos(now + link::BEAT));

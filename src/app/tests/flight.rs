@@ -558,6 +558,10 @@ fn a_store_that_lost_something_is_told_and_acknowledged_before_arming() {
             Found::OtherVersion,
             "settings: of another version, defaults used",
         ),
+        (
+            Found::PartlyKnown,
+            "settings: some not known here, others used",
+        ),
     ] {
         let mut rig = Rig::new(SETTINGS).standing();
         rig.autopilot

@@ -5,14 +5,15 @@
 use core::sync::atomic::{AtomicU16, Ordering};
 
 use reflex::app::{Autopilot, Recorder};
-use reflex::battery::BatteryReading;
+use reflex::battery::{BatteryReading, LOOK};
 use reflex::graph::ControlLogic;
 use reflex::tasks::Lock;
+use reflex::time::Duration;
 use stm32f4xx_hal::gpio::{PC3, PC5};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::rcc::{self, Enable};
 
-use crate::board::now;
+use crate::board::{now, sleep};
 
 /// Channels of PC3 and PC5.
 const CHANNELS: [u32; 2] = [13, 15];
@@ -73,8 +74,20 @@ impl Gauge {
         BatteryReading::of_steps(steps)
     }
 
+    /// Measures for so long, look by look.
+    pub async fn watch<R: Recorder, L: ControlLogic>(
+        &mut self,
+        length: Duration,
+        pilot: &mut impl Lock<Target = Autopilot<R, L>>,
+    ) {
+        for _ in 0..length / LOOK {
+            self.tell(pilot);
+            sleep(LOOK).await;
+        }
+    }
+
     /// Tells the autopilot what was measured, and the log a new state.
-    pub fn tell<R: Recorder, L: ControlLogic>(
+    fn tell<R: Recorder, L: ControlLogic>(
         &mut self,
         pilot: &mut impl Lock<Target = Autopilot<R, L>>,
     ) {

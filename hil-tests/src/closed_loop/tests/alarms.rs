@@ -8,7 +8,7 @@ use super::{FlyOptions, Flyer, Mission, Scene, SimulatedFlight, options};
 use crate::logics::{GainSet, LogicName};
 
 /// Verdicts on sensors and motors: what a flight without a fault never counts.
-pub(crate) const ALARMS: [Fault; 13] = [
+pub(crate) const ALARMS: [Fault; 14] = [
     Fault::ImuSilent,
     Fault::ImuStarved,
     Fault::ImuSpike,
@@ -22,6 +22,7 @@ pub(crate) const ALARMS: [Fault; 13] = [
     Fault::AccelsApart,
     Fault::MotorLost,
     Fault::Contrary,
+    Fault::BatteryCollapsed,
 ];
 
 /// Alarms of a flight, with its name.
