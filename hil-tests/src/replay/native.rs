@@ -18,9 +18,10 @@ use reflex::settings::Policy;
 use super::link_frames::schedule;
 use super::options::ReplayOptions;
 use super::refusals;
-use super::setup::{chip_options, left_out, length_ns, open_flight, script};
+use super::setup::{chip_options, flight_log, left_out, length_ns, open_flight, script};
 use super::timeline::Timeline;
 use crate::faults::broken;
+use crate::flight_log::FlightLog;
 use crate::native::{NativeBoard, clock};
 use crate::progress::Progress;
 use crate::record::Look;
@@ -82,7 +83,11 @@ pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Re
     progress.stage(&format!("Replaying {} natively", path.display()));
     let setpoints = Setpoints::of(&flight);
     let (mut board, end_ns) = boot(&flight, &setpoints, options)?;
-    let looks = watch(&mut board, end_ns, progress);
+    let mut log = flight_log(options)?;
+    let looks = watch(&mut board, end_ns, log.as_mut(), progress)?;
+    if let Some(log) = log {
+        log.finish()?;
+    }
     let calls = board.take_calls();
 
     progress.stage("Scoring");
@@ -115,8 +120,13 @@ fn boot(
     Ok((board, end_ns))
 }
 
-/// Runs to the end and looks at the chips on the way.
-fn watch(board: &mut NativeBoard, end_ns: u64, progress: &mut dyn Progress) -> Vec<Look> {
+/// Runs to the end, looks at the chips on the way, and writes the flight down where it is to be.
+fn watch(
+    board: &mut NativeBoard,
+    end_ns: u64,
+    mut log: Option<&mut FlightLog>,
+    progress: &mut dyn Progress,
+) -> Result<Vec<Look>> {
     let start_ns = Standstill::default().length_ns();
     let seconds = |at_ns: u64| at_ns.saturating_sub(start_ns) as f64 * 1e-9;
     let mut looks = Vec::new();
@@ -124,13 +134,16 @@ fn watch(board: &mut NativeBoard, end_ns: u64, progress: &mut dyn Progress) -> V
     while at_ns < end_ns {
         at_ns = (at_ns + STEP_NS).min(end_ns);
         board.run_until(at_ns);
+        if let Some(log) = &mut log {
+            log.follow(board.calls())?;
+        }
         looks.push(Look {
             at_ns,
             chips: board.look_at_chips(),
         });
         progress.done(seconds(at_ns), seconds(end_ns));
     }
-    looks
+    Ok(looks)
 }
 
 fn timeline<'c>(
