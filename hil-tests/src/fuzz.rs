@@ -60,9 +60,13 @@ enum Source {
 type Check = Box<dyn Fn(&[u8]) -> bool>;
 
 /// Everything that is fuzzed.
-pub const TARGETS: [Target; 13] = [
+pub const TARGETS: [Target; 17] = [
     logs::ULOG,
+    logs::BLACKBOX,
+    logs::DATAFLASH,
+    logs::USD,
     logs::CSV,
+    logs::PACKED,
     configuration::CONFIGURATION,
     configuration::GAINS,
     configuration::OPTIONS,

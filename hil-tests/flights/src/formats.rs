@@ -69,5 +69,5 @@ pub(super) fn read(bytes: &[u8], units: &Units) -> Result<Recording, Fault> {
     let mut recording = (format.read)(&bytes, units)?;
     skipped.append(recording.skipped);
     recording.skipped = skipped;
-    Ok(recording)
+    Ok(recording.of_numbers())
 }

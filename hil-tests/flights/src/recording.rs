@@ -1,8 +1,9 @@
 //! What a reader takes from a log, in the log's own axes and time.
 
+use std::cell::Cell;
 use std::fmt;
 
-use super::error::Fault;
+use super::error::{Fault, Location};
 use super::rotation::Rotation;
 use super::skipped::Skipped;
 use super::track::{SECOND_NS, Span, Track, seconds};
@@ -269,10 +270,24 @@ impl Recording {
         check_rate(Sensor::Accelerometer, &self.accel)
     }
 
+    /// The recording without values that are no numbers; they are counted as skipped.
+    pub(super) fn of_numbers(self) -> Self {
+        let numbers = Numbers {
+            left_out: Cell::new(0),
+        };
+        let mut recording = self.changed(&numbers);
+        let left_out = numbers.left_out.get();
+        if left_out > 0 {
+            let what = "values that are no numbers";
+            recording.skipped.add_many(Location::File, what, left_out);
+        }
+        recording
+    }
+
     /// The recording with its first gyroscope sample at time 0.
     pub(super) fn starting_at_zero(self) -> Self {
         let start = self.gyro.first_time_ns().unwrap_or_default();
-        self.timed(&Shift(start))
+        self.changed(&Shift(start))
     }
 
     /// A part of it. All signals but the gyroscope's, whose span it is, keep the sample before it and
@@ -281,12 +296,12 @@ impl Recording {
         let gyro = self.gyro.within(span);
         Self {
             gyro,
-            ..self.timed(&Around(span))
+            ..self.changed(&Around(span))
         }
     }
 
-    /// Every track with other times.
-    fn timed(self, change: &impl Retimed) -> Self {
+    /// Every track, changed.
+    fn changed(self, change: &impl EachTrack) -> Self {
         let Recorded {
             attitude,
             attitude_setpoint,
@@ -316,15 +331,15 @@ impl Recording {
     }
 }
 
-/// A change of a signal's times.
-trait Retimed {
+/// A change of every track, whatever it holds.
+trait EachTrack {
     fn of<const N: usize>(&self, track: Track<N>) -> Track<N>;
 }
 
 /// Everything earlier, ns.
 struct Shift(i64);
 
-impl Retimed for Shift {
+impl EachTrack for Shift {
     fn of<const N: usize>(&self, track: Track<N>) -> Track<N> {
         track.earlier(self.0)
     }
@@ -333,9 +348,23 @@ impl Retimed for Shift {
 /// What holds within a span.
 struct Around(Span);
 
-impl Retimed for Around {
+impl EachTrack for Around {
     fn of<const N: usize>(&self, track: Track<N>) -> Track<N> {
         track.around(self.0)
+    }
+}
+
+/// What is a number, and how many values were none.
+struct Numbers {
+    left_out: Cell<u64>,
+}
+
+impl EachTrack for Numbers {
+    fn of<const N: usize>(&self, track: Track<N>) -> Track<N> {
+        let numbers = track.numbers();
+        let left_out = (track.len() - numbers.len()) as u64;
+        self.left_out.update(|sum| sum + left_out);
+        numbers
     }
 }
 

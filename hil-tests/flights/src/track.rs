@@ -162,6 +162,13 @@ impl<const N: usize> Track<N> {
         }
     }
 
+    /// The samples all of whose components are numbers.
+    pub(super) fn numbers(&self) -> Self {
+        let is_number = |(_, value): &(i64, [f64; N])| value.iter().all(|part| part.is_finite());
+        let (times_ns, values) = self.iter().filter(is_number).unzip();
+        Self { times_ns, values }
+    }
+
     /// The same values, `offset_ns` earlier.
     #[must_use]
     pub(super) fn earlier(mut self, offset_ns: i64) -> Self {

@@ -1,22 +1,30 @@
 //! Logs of flights: read or refused, and what was read can be used.
 
+use anyhow::Result;
 use recorded_flights::{Flight, Rotate, Setpoints, Sightings};
 
 use super::{Loaded, Source, Target, is_one_line, samples};
 
-pub(super) const ULOG: Target = Target {
-    name: "ulog",
-    reads: "ULog files",
-    inputs: 12_000,
-    load: || Ok(Loaded::new(Source::Spoilt(samples::corpus("ulog")?), check)),
-};
+/// A target for each kind of log: its folder under `hil-tests/corpus/`, and what it is called.
+pub(super) const ULOG: Target = target("ulog", "ULog files", || sound("ulog"));
+pub(super) const BLACKBOX: Target = target("blackbox", "Blackbox logs", || sound("blackbox"));
+pub(super) const DATAFLASH: Target = target("dataflash", "DataFlash logs", || sound("dataflash"));
+pub(super) const USD: Target = target("usd", "logs of a Crazyflie's card", || sound("usd"));
+pub(super) const CSV: Target = target("csv", "CSV of each writer", || sound("csv"));
+pub(super) const PACKED: Target = target("packed", "packed logs", || sound("packed"));
 
-pub(super) const CSV: Target = Target {
-    name: "csv",
-    reads: "CSV logs",
-    inputs: 12_000,
-    load: || Ok(Loaded::new(Source::Spoilt(samples::corpus("csv")?), check)),
-};
+const fn target(name: &'static str, reads: &'static str, load: fn() -> Result<Loaded>) -> Target {
+    Target {
+        name,
+        reads,
+        inputs: 6000,
+        load,
+    }
+}
+
+fn sound(folder: &str) -> Result<Loaded> {
+    Ok(Loaded::new(Source::Spoilt(samples::corpus(folder)?), check))
+}
 
 /// Reads a log and, if it is good, uses all of it.
 fn check(input: &[u8]) -> bool {

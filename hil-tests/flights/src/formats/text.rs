@@ -395,8 +395,11 @@ fn motors(
     for ((line, row), &time) in rows.iter().zip(times) {
         let mut shares = row.motors.map(|command| (command - low) / (high - low));
         shares[count..].fill(0.0);
-        let is_share = |share: &f64| (-0.05..=1.05).contains(share);
-        if !shares.iter().all(is_share) && columns.dialect.motors.1 == Motor::Share {
+        let is_command = |share: &f64| match columns.dialect.motors.1 {
+            Motor::Share => (-0.05..=1.05).contains(share),
+            Motor::Of65535 | Motor::Betaflight => share.is_finite(),
+        };
+        if !shares.iter().all(is_command) {
             let place = Location::Cell {
                 line: *line,
                 column: quoted(&columns.names[columns.motors[0]]),

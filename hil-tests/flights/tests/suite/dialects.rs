@@ -209,3 +209,22 @@ fn unknown_units_are_refused_with_the_known_ones() {
         assert!(error.to_string().starts_with(expected), "{error}");
     }
 }
+
+#[test]
+fn a_motor_command_that_is_no_number_is_left_out_and_counted() {
+    let text = rows(|t, w, a| {
+        let motor = ["nan", "32768", "inf", "40000"][(t * 200.0).round() as usize % 4];
+        let [w, a] = [w.map(f64::to_degrees), a.map(|a| a / 9.806_65)];
+        let ([p, q, r], [x, y, z]) = (w, a);
+        format!("{:.0},{p},{q},{r},{x},{y},{z},{motor}\n", t * 1e3)
+    });
+    let header = "timestamp,gyro.x,gyro.y,gyro.z,acc.x,acc.y,acc.z,motor.m1\n";
+    let flight = read((header.to_owned() + &text).as_bytes(), Rotate::Auto).expect("a good log");
+    let motors = flight.motors.expect("motors").track;
+    let shares: Vec<f64> = motors.values().iter().map(|[first, ..]| *first).collect();
+    assert!(
+        shares.iter().all(|share| (0.4..=1.0).contains(share)),
+        "{shares:?}"
+    );
+    assert_eq!(flight.skipped.count(), 2000);
+}
