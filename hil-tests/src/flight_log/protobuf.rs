@@ -1,4 +1,4 @@
-//! Topics as protobuf messages, described in the log: no tool needs a `.proto` file.
+//! Topics as protobuf messages, which the log describes to those who read it.
 //!
 //! Foxglove's own schemas fit poses and scenes east, north, up; what is told here are plain numbers,
 //! which plots and tables show by the names of their fields.
