@@ -43,6 +43,7 @@ pub use crew::{Crew, Here};
 pub use findings::Findings;
 pub use interval::Interval;
 pub use plan::Plan;
+pub use report::percent;
 pub use shard::Shard;
 
 use crew::Orders;
