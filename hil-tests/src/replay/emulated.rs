@@ -26,7 +26,7 @@ use super::setup::{flight_log, left_out, open_flight, script};
 use super::timeline::Timeline;
 use crate::firmware::Firmware;
 use crate::flight_log::FlightLog;
-use crate::progress::Progress;
+use crate::progress::{Progress, named};
 use crate::record::motor_timers::update_period_ns;
 use crate::record::{Alignment, Counted, CountedFrom, DecodedLog, Observation, WAY};
 use crate::scoring::Report;
@@ -78,7 +78,7 @@ fn whole(options: &ReplayOptions, counts: bool, progress: &mut dyn Progress) -> 
     let watches = WAY.map(Watched::from).to_vec();
     let mut session = Session::new(&flight, options, &firmware, watches)?;
     let mut observation = Observation::new(log);
-    progress.stage(&format!("Replaying {}", path.display()));
+    progress.stage(&format!("Replaying {}", named(&path)));
     let learning = counts.then(|| Learning::new(&options.start(), session.flight_start_ns()));
     let counted_from = run(
         &mut session,

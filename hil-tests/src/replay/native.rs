@@ -23,7 +23,7 @@ use super::timeline::Timeline;
 use crate::faults::broken;
 use crate::flight_log::FlightLog;
 use crate::native::{NativeBoard, clock};
-use crate::progress::Progress;
+use crate::progress::{Progress, named};
 use crate::record::Look;
 use crate::refusal::Refusal;
 use crate::scoring::{Report, Score, WithoutLeading};
@@ -80,7 +80,7 @@ pub(super) fn without_leading(
 /// A flight that cannot be read or replayed with these options.
 pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Report> {
     let (flight, path) = open_flight(options)?;
-    progress.stage(&format!("Replaying {} natively", path.display()));
+    progress.stage(&format!("Replaying {} natively", named(&path)));
     let setpoints = Setpoints::of(&flight);
     let (mut board, end_ns) = boot(&flight, &setpoints, options)?;
     let mut log = flight_log(options)?;

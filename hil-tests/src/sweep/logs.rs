@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::SweepOptions;
-use crate::progress::Progress;
+use crate::progress::{Progress, named};
 use crate::refusal::Refusal;
 use crate::replay::{open_flight, refusals};
 use recorded_flights::{Flight, FlightError};
@@ -73,7 +73,7 @@ pub(super) fn open(options: &SweepOptions, progress: &mut dyn Progress) -> Resul
             });
         }
     };
-    progress.stage(&format!("Reading {}", folder.display()));
+    progress.stage(&format!("Reading {}", named(folder)));
     let files = files_of(folder)?;
     let mut logs = Logs::default();
     for (done, path) in files.iter().enumerate() {
