@@ -698,6 +698,12 @@ impl<R: Recorder, L: ControlLogic> Autopilot<R, L> {
         self.reactive.fit(input)
     }
 
+    /// The change of an input that the last run met, in its SI unit; `None` where none was measured.
+    #[must_use]
+    pub fn change_met(&self, input: Input) -> Option<f32> {
+        self.reactive.change_met(input)
+    }
+
     // What a board knows of itself.
 
     /// What the board found of the start before this one.

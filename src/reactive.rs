@@ -686,6 +686,12 @@ impl Reactive {
         self.learners.lesson(input).decision.fit()
     }
 
+    /// The change of an input that the last run met.
+    #[must_use]
+    pub fn change_met(&self, input: Input) -> Option<f32> {
+        self.learners.lesson(input).decision.met()
+    }
+
     /// False where a model is no number.
     #[must_use]
     pub fn are_models_sane(&self) -> bool {

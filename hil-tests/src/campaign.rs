@@ -42,6 +42,7 @@ pub use comparison::{Cell, Compared, Comparison, Metric};
 pub use crew::{Crew, Here};
 pub use findings::Findings;
 pub use plan::Plan;
+pub use report::percent;
 pub use shard::Shard;
 
 use crew::Orders;

@@ -40,6 +40,8 @@ pub mod track;
 mod tracker;
 mod world;
 
+use std::path::PathBuf;
+
 use anyhow::Result;
 use reflex::settings::Settings;
 use reflex_config::Airframe;
@@ -168,6 +170,8 @@ pub struct FlyOptions {
     pub contention: Contention,
     /// What breaks in flight.
     pub faults: Script,
+    /// Where the flight is written, for other tools.
+    pub record: Option<PathBuf>,
 }
 
 /// A drone that answers more strongly or later, by which margins are measured.
@@ -209,6 +213,7 @@ pub fn fly(
             progress.done(flight.since_take_off_s(), options.duration_s);
         }
     }
+    flight.end_log()?;
     let track = std::mem::take(&mut flight.track);
     let (report, counted) = flight.report(scene, flyer)?;
     Ok(Flown {

@@ -34,6 +34,7 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use anyhow::Result;
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 #[cfg(test)]
@@ -50,7 +51,7 @@ const FAILED: u8 = 1;
 
 /// Flies, measures and tests the Reflex firmware without hardware.
 #[derive(Debug, Parser)]
-#[command(bin_name = "cargo hil", version, arg_required_else_help = false)]
+#[command(bin_name = "cargo hil", version)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -90,8 +91,8 @@ enum Command {
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
-        Err(error) if !error.use_stderr() => {
-            // Help and version: asked for, and longer than a line.
+        Err(error) if is_help(error.kind()) => {
+            // Help and version are longer than a line; a command without its subcommand asks for help.
             let _ = error.print();
             return ExitCode::SUCCESS;
         }
@@ -124,6 +125,15 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
+fn is_help(kind: ErrorKind) -> bool {
+    matches!(
+        kind,
+        ErrorKind::DisplayHelp
+            | ErrorKind::DisplayVersion
+            | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    )
+}
+
 fn exit_code(error: &anyhow::Error) -> u8 {
     let refused = error.chain().any(|cause| {
         cause.is::<Refusal>() || cause.is::<FlightError>() || cause.is::<ConfigError>()
@@ -139,8 +149,14 @@ fn complain(line: &str) {
 /// Writes a command's result to stdout.
 fn print(text: &str) -> Result<()> {
     let mut stdout = std::io::stdout().lock();
-    stdout.write_all(text.as_bytes())?;
-    Ok(stdout.flush()?)
+    let written = stdout
+        .write_all(text.as_bytes())
+        .and_then(|()| stdout.flush());
+    match written {
+        // Whoever reads has seen enough, as `head` has.
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        other => Ok(other?),
+    }
 }
 
 /// A message of several lines as one, without usage and general hints.
@@ -158,6 +174,8 @@ fn one_line(message: &str) -> String {
 mod tests {
     mod reference;
 
+    use clap::CommandFactory;
+
     use super::*;
 
     fn refusal(arguments: &[&str]) -> String {
@@ -168,8 +186,7 @@ mod tests {
     #[test]
     fn wrong_usage_is_one_line() {
         for (arguments, expected) in [
-            (&[][..], "requires a subcommand"),
-            (&["fly-away"], "unrecognized subcommand 'fly-away'"),
+            (&["fly-away"][..], "unrecognized subcommand 'fly-away'"),
             (&["replay", "--sped", "1"], "unexpected argument '--sped'"),
             (
                 &["replay", "--policy", "lazy"],
@@ -197,6 +214,21 @@ mod tests {
     }
 
     #[test]
+    fn a_command_that_lacks_its_subcommand_says_which_there_are() {
+        for words in [&[][..], &["profile"]] {
+            let error = Cli::try_parse_from(["cargo hil"].iter().chain(words)).unwrap_err();
+            assert!(is_help(error.kind()), "{words:?}");
+            let help = error.to_string();
+            assert!(help.contains("fly ") && help.contains("replay "), "{help}");
+        }
+        let all = Cli::try_parse_from(["cargo hil"]).unwrap_err().to_string();
+        for command in Cli::command().get_subcommands() {
+            let about = command.get_about().expect("a sentence").to_string();
+            assert!(all.contains(&about), "{about}");
+        }
+    }
+
+    #[test]
     fn refusals_bad_logs_and_bad_configuration_are_told_from_failures() {
         assert_eq!(exit_code(&Refusal::new("no").into()), REFUSED);
         let wrapped = anyhow::Error::from(Refusal::new("no")).context("while asking");
@@ -208,7 +240,6 @@ mod tests {
 
     #[test]
     fn the_command_line_is_well_formed() {
-        use clap::CommandFactory;
         Cli::command().debug_assert();
     }
 }

@@ -11,6 +11,7 @@
 //! - [`faults`]: what can break in a flight, by script
 //! - `native`: the same flights without the emulator, a hundred times as fast
 //! - [`scenarios`]: flights in which something breaks, and what is expected of them
+//! - `flight_log`: flights written down, for Foxglove, PlotJuggler, PX4's tools
 //! - [`costs`]: instructions, memory and locks of the firmware, against limits
 //! - [`profile`]: where the instructions of a flight go, by part, function and task
 //! - [`sweep`]: many of those over a grid of settings, drawn with [`plot`]
@@ -28,6 +29,7 @@ pub mod commands;
 pub mod costs;
 pub mod faults;
 pub mod firmware;
+mod flight_log;
 pub mod fuzz;
 pub mod ground_station;
 mod interval;

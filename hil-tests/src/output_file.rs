@@ -53,17 +53,20 @@ impl<'f> OutputFile<'f> {
         Ok(())
     }
 
+    /// Refuses a pipe: opening it would wait for a reader.
+    pub(crate) fn check_is_no_pipe(&self) -> Result<(), Refusal> {
+        if fs::metadata(self.path).is_ok_and(|file| is_pipe(&file)) {
+            return Err(self.refusal("is a pipe, must be a file"));
+        }
+        Ok(())
+    }
+
     /// Whether both names lead to one file, however each is spelt or linked.
     pub(crate) fn is(&self, other: &Path) -> bool {
         match (fs::metadata(self.path), fs::metadata(other)) {
             (Ok(a), Ok(b)) => is_same(&a, &b),
             _ => false,
         }
-    }
-
-    /// Whether the file is there and is a pipe.
-    pub(crate) fn is_pipe(&self) -> bool {
-        fs::metadata(self.path).is_ok_and(|file| is_pipe(&file))
     }
 
     /// Opens the file, empty.

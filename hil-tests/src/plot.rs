@@ -1,4 +1,4 @@
-//! Figures as SVG: panels with titled axes, curves with markers, one legend.
+//! Figures as SVG: panels with titled axes, curves with markers, legends.
 //!
 //! ```text
 //! Figure { title, panels } -- each Panel { title, x, y, curves } -- each Curve { look, points }
@@ -41,7 +41,7 @@ const MARGIN: u32 = 12;
 /// Nearly black: softer than black on a screen, black in print.
 const INK: RGBColor = RGBColor(34, 34, 34);
 
-/// A page of panels under one title and one legend.
+/// A page of panels under one title and one legend, or one for each where looks mean several things.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     /// The line on top.
@@ -80,25 +80,54 @@ impl Figure {
         let (title, rest) = page.split_vertically(LINE_HEIGHT);
         let (legend, body) = rest.split_vertically(LINE_HEIGHT);
         let at = (margin, 4);
-        title.draw(&Text::new(plain(&self.title), at, bold(22)))?;
-        draw_legend(&legend, &self.looks())?;
+        let size = title_size(&self.title, title.dim_in_pixel().0);
+        title.draw(&Text::new(plain(&self.title), at, bold(size)))?;
+        let looks = self.looks();
+        let told_apart = are_told_apart(&looks);
+        if told_apart {
+            draw_legend(&legend, &looks)?;
+        }
         for (panel, area) in self.panels.iter().zip(body.split_evenly(grid)) {
-            panel.draw(root, &area)?;
+            panel.draw(root, &area, !told_apart)?;
         }
         root.present()?;
         Ok(())
     }
 
-    /// Every look once, in the order of the curves.
     fn looks(&self) -> Vec<&Look> {
-        let mut looks: Vec<&Look> = Vec::new();
-        for curve in self.panels.iter().flat_map(|panel| &panel.curves) {
-            if !looks.iter().any(|look| look.name == curve.look.name) {
-                looks.push(&curve.look);
-            }
-        }
-        looks
+        looks_of(self.panels.iter().flat_map(|panel| &panel.curves))
     }
+}
+
+/// Every look once, in the order of the curves.
+fn looks_of<'c>(curves: impl Iterator<Item = &'c Curve>) -> Vec<&'c Look> {
+    let mut looks: Vec<&Look> = Vec::new();
+    for curve in curves {
+        if !looks.iter().any(|look| look.name == curve.look.name) {
+            looks.push(&curve.look);
+        }
+    }
+    looks
+}
+
+/// Whether no two names look alike.
+fn are_told_apart(looks: &[&Look]) -> bool {
+    let alike = |one: &Look, other: &Look| (one.colour, one.marker) == (other.colour, other.marker);
+    let mut rest = looks;
+    while let [one, behind @ ..] = rest {
+        if behind.iter().any(|other| alike(one, other)) {
+            return false;
+        }
+        rest = behind;
+    }
+    true
+}
+
+/// The size of a title that fits a width: a bold letter is about two thirds as wide as it is high.
+fn title_size(title: &str, width: u32) -> i32 {
+    const LARGEST: u32 = 22;
+    let letters = title.chars().count().max(1) as u32;
+    (width * 3 / 2 / letters).clamp(LARGEST / 2, LARGEST) as i32
 }
 
 fn draw_legend(area: &Area<'_>, looks: &[&Look]) -> Drawn {

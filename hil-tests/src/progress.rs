@@ -1,5 +1,12 @@
 //! How long work reports its progress to a person.
 
+use std::path::Path;
+
+/// A file as a stage names it: the folders of its path would fill the line.
+pub(crate) fn named(file: &Path) -> std::path::Display<'_> {
+    file.file_name().map_or(file, Path::new).display()
+}
+
 /// Hears how far a piece of work is.
 pub trait Progress {
     /// A new stage begins, named as a person would: `Replaying sample.ulg`.

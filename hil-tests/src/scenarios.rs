@@ -81,6 +81,7 @@ fn fly_script(
         scored_from_s: None,
         stress: Stress::default(),
         faults,
+        record: None,
         contention: Contention::default(),
     };
     let flown = fly(scene, &options, flyer, &mut Silent)?;

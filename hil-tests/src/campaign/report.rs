@@ -12,6 +12,8 @@ mod rate_sweep;
 mod tables;
 mod trade;
 
+pub use tables::percent;
+
 use anyhow::Result;
 use maud::{Markup, PreEscaped, html};
 

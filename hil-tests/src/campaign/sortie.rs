@@ -190,6 +190,7 @@ impl Job {
             scored_from_s: Some(f64::from(scored_from_s)),
             stress,
             faults: Script::default(),
+            record: None,
             contention: Contention::default(),
         })
     }

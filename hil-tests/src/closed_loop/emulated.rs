@@ -13,7 +13,7 @@ use reflex::settings::MotorProtocol;
 
 use super::Core;
 use super::desired::Desired;
-use super::flying_board::{Applied, Ended, FlyingBoard, TimedRan};
+use super::flying_board::{Applied, Ended, FlyingBoard, News, TimedRan};
 use super::report::Cpu;
 use crate::faults::{Script, Strikes};
 use crate::ground_station::LinkFrame;
@@ -39,8 +39,9 @@ pub(super) struct FlyingEmulatedBoard {
     observation: Observation,
     /// Makes the firmware's calls again.
     mirror: Mirror,
-    /// How many calls and motor writes have been taken.
+    /// How many calls were mirrored, how many of them and of motor writes were taken.
     mirrored: usize,
+    taken: usize,
     written: usize,
     runs: Vec<TimedRan>,
     protocol: MotorProtocol,
@@ -76,6 +77,7 @@ impl FlyingEmulatedBoard {
             observation: Observation::new(None),
             mirror: Mirror::new(start),
             mirrored: 0,
+            taken: 0,
             written: 0,
             runs: Vec::new(),
             protocol: start.settings.motors,
@@ -116,20 +118,23 @@ impl FlyingBoard for FlyingEmulatedBoard {
         self.board.transmit(frame.at_ns, &frame.bytes);
     }
 
-    fn take(&mut self, applied: &mut Vec<Applied>, runs: &mut Vec<TimedRan>) {
+    fn take(&mut self, news: &mut News) {
         for write in &self.observation.motors[self.written..] {
             let motor = |index: usize| {
                 let driven = write.driven & (1 << index) != 0;
                 let pulse_ns = if driven { write.pulse_ns[index] } else { 0 };
                 throttle(self.protocol, pulse_ns).unwrap_or_default()
             };
-            applied.push(Applied {
+            news.applied.push(Applied {
                 at_ns: write.applied_ns,
                 throttles: (0..self.motor_count).map(motor).collect(),
             });
         }
         self.written = self.observation.motors.len();
-        runs.append(&mut self.runs);
+        news.runs.append(&mut self.runs);
+        let calls = &self.observation.calls;
+        news.calls.extend_from_slice(&calls[self.taken..]);
+        self.taken = calls.len();
     }
 
     fn desired(&mut self) -> Desired {

@@ -1,7 +1,7 @@
 //! What flies the simulated drone: firmware on a board, or the same code natively.
 
 use anyhow::Result;
-use reflex::app::{Fault, Ran, Telemetry};
+use reflex::app::{Fault, Ran, Stamped, Telemetry};
 use reflex::battery::BatteryState;
 
 use super::desired::Desired;
@@ -19,6 +19,14 @@ pub(super) struct Applied {
 
 /// A run with the virtual time of its motor command.
 pub(super) type TimedRan = (u64, Ran);
+
+/// What is new of a board, in order of time.
+#[derive(Default)]
+pub(super) struct News {
+    pub(super) calls: Vec<Stamped>,
+    pub(super) runs: Vec<TimedRan>,
+    pub(super) applied: Vec<Applied>,
+}
 
 /// What only the end of a flight shows.
 #[derive(Default)]
@@ -42,8 +50,8 @@ pub(super) trait FlyingBoard {
     /// Sends a frame to the autopilot, from its instant on.
     fn transmit(&mut self, frame: LinkFrame);
 
-    /// Takes commands and runs since the last call, in order of time.
-    fn take(&mut self, applied: &mut Vec<Applied>, runs: &mut Vec<TimedRan>);
+    /// Adds calls, runs and commands since the last time.
+    fn take(&mut self, news: &mut News);
 
     /// The attitude steered to.
     fn desired(&mut self) -> Desired;

@@ -8,7 +8,7 @@ use reflex::battery::BatteryState;
 use reflex::settings::MotorProtocol;
 
 use super::desired::Desired;
-use super::flying_board::{Applied, Ended, FlyingBoard, TimedRan};
+use super::flying_board::{Applied, Ended, FlyingBoard, News};
 use crate::faults::Script;
 use crate::ground_station::LinkFrame;
 use crate::logics::Start;
@@ -60,8 +60,9 @@ impl FlyingBoard for FlyingNativeBoard {
         self.board.transmit(frame);
     }
 
-    fn take(&mut self, applied: &mut Vec<Applied>, runs: &mut Vec<TimedRan>) {
+    fn take(&mut self, news: &mut News) {
         for stamped in self.board.drain_calls() {
+            news.calls.push(stamped);
             let Call::Ran(ran) = stamped.call else {
                 continue;
             };
@@ -73,11 +74,11 @@ impl FlyingBoard for FlyingNativeBoard {
             let pulses: Vec<u32> = pulses.collect();
             self.digest.write(written_ns, &pulses);
             let throttles = pulses.iter().map(|pulse| throttle(self.protocol, *pulse));
-            applied.push(Applied {
+            news.applied.push(Applied {
                 at_ns: applied_ns(self.protocol, written_ns),
                 throttles: throttles.map(Option::unwrap_or_default).collect(),
             });
-            runs.push((written_ns, ran));
+            news.runs.push((written_ns, ran));
         }
     }
 

@@ -22,62 +22,68 @@ pub fn figure(flown: &Flown) -> Figure {
     };
     let rates = report.control.per_second.iter().enumerate();
     let rates = rates.map(|(second, runs)| (second as f64 + 0.5, f64::from(*runs)));
-    let way = |name, colour, place: fn(&Moment) -> (f64, f64)| {
-        curve(name, colour, track.iter().map(place))
+    let over_time = |name, colour, value: fn(&Moment) -> f64| {
+        let points = track.iter().map(|moment| (moment.at_s, value(moment)));
+        curve(name, colour, points)
     };
-    let miss = |moment: &Moment| (moment.at_s, (moment.target - moment.position).norm());
-    let wind = |moment: &Moment| (moment.at_s, moment.wind_m_s);
-    let time = "s from take-off";
+    let attitude = vec![
+        off("roll", BLUE, 0),
+        off("pitch", ORANGE, 1),
+        off("yaw", GREEN, 2),
+    ];
+    let height = vec![
+        over_time("flown", BLUE, |moment| -moment.position.z),
+        over_time("asked for", GREY, |moment| -moment.target.z),
+    ];
+    let miss = |moment: &Moment| (moment.target - moment.position).norm();
+    let miss = vec![over_time("distance", BLUE, miss)];
+    let wind = vec![over_time("wind", GREY, |moment| moment.wind_m_s)];
+    let runs = vec![curve("runs", BLUE, rates)];
     Figure {
         title: format!(
             "{} in {} with {}, {}, seed {}",
             report.airframe, report.environment, report.logic, report.policy, report.seed
         ),
         panels: vec![
-            panel(
-                "way from above",
-                ("east, m", "north, m"),
-                vec![
-                    way("flown", BLUE, |moment| {
-                        (moment.position.y, moment.position.x)
-                    }),
-                    way("asked for", GREY, |moment| {
-                        (moment.target.y, moment.target.x)
-                    }),
-                ],
-            ),
-            panel(
-                "desired less actual attitude",
-                (time, "degrees"),
-                vec![
-                    off("roll", BLUE, 0),
-                    off("pitch", ORANGE, 1),
-                    off("yaw", GREEN, 2),
-                ],
-            ),
-            panel(
-                "control",
-                (time, "runs per second"),
-                vec![curve("runs", BLUE, rates)],
-            ),
-            panel(
-                "distance from where it should be, and wind",
-                (time, "m and m/s"),
-                vec![
-                    curve("distance", BLUE, track.iter().map(miss)),
-                    curve("wind", GREY, track.iter().map(wind)),
-                ],
-            ),
+            way_from_above(track),
+            panel("height", "m", height),
+            panel("desired less actual attitude", "degrees", attitude),
+            panel("distance from where it should be", "m", miss),
+            panel("control", "runs per second", runs),
+            panel("wind", "m/s", wind),
         ],
         columns: 2,
     }
 }
 
-fn panel(title: &str, (x, y): (&str, &str), curves: Vec<Curve>) -> Panel {
+/// The way flown and the way asked for, with start and end.
+fn way_from_above(track: &[Moment]) -> Panel {
+    let flown = |moment: &Moment| (moment.position.y, moment.position.x);
+    let asked = |moment: &Moment| (moment.target.y, moment.target.x);
+    let mark = |name: &str, marker, moment: Option<&Moment>| {
+        let mut mark = curve(name, BLUE, moment.map(flown).into_iter());
+        mark.look.marker = marker;
+        mark
+    };
+    Panel {
+        title: "way from above".to_owned(),
+        x: Axis::new("east, m", Scale::Map),
+        y: Axis::new("north, m", Scale::Map),
+        curves: vec![
+            mark("start", Marker::Circle, track.first()),
+            mark("end", Marker::Square, track.last()),
+            curve("flown", BLUE, track.iter().map(flown)),
+            curve("asked for", GREY, track.iter().map(asked)),
+        ],
+    }
+}
+
+/// A panel over the time of the flight.
+fn panel(title: &str, unit: &str, curves: Vec<Curve>) -> Panel {
     Panel {
         title: title.to_owned(),
-        x: Axis::new(x, Scale::Linear),
-        y: Axis::new(y, Scale::Linear),
+        x: Axis::new("s from take-off", Scale::Linear),
+        y: Axis::new(unit, Scale::Linear),
         curves,
     }
 }

@@ -11,7 +11,7 @@ use super::contention::Processor;
 use super::desired::Desired;
 use super::emulated::FlyingEmulatedBoard;
 use super::fault_watch::FaultWatch;
-use super::flying_board::{Applied, FlyingBoard, TimedRan};
+use super::flying_board::{FlyingBoard, News};
 use super::measures::Measures;
 use super::mission::{Course, Target};
 use super::native::FlyingNativeBoard;
@@ -20,6 +20,7 @@ use super::track::{KEPT_NS, Moment};
 use super::world::{LONGEST_STEP_NS, World};
 use super::{FlyOptions, Flyer, Scene};
 use crate::faults::broken;
+use crate::flight_log::FlightLog;
 use crate::logics::Start;
 use crate::mountings::mountings;
 use crate::record::motor_timers::update_period_ns;
@@ -47,8 +48,8 @@ pub(super) struct SimulatedFlight<'o> {
     pub(super) now_ns: u64,
     end_ns: u64,
     step_ns: u64,
-    applied: Vec<Applied>,
-    runs: Vec<TimedRan>,
+    news: News,
+    log: Option<FlightLog>,
 }
 
 /// The scored part so far.
@@ -104,6 +105,8 @@ impl<'o> SimulatedFlight<'o> {
                 &options.faults,
             )?),
         };
+        let create = |path| FlightLog::create(path, &start);
+        let log = options.record.as_deref().map(create);
         let flies_to_goals = start.logic().flies_to_goals();
         Ok(Self {
             options,
@@ -120,8 +123,8 @@ impl<'o> SimulatedFlight<'o> {
             now_ns: 0,
             end_ns: TAKE_OFF_NS + (options.duration_s * 1e9) as u64,
             step_ns: update_period_ns(options.settings.motors).min(LONGEST_STEP_NS / 2),
-            applied: Vec::new(),
-            runs: Vec::new(),
+            news: News::default(),
+            log: log.transpose()?,
         })
     }
 
@@ -144,13 +147,18 @@ impl<'o> SimulatedFlight<'o> {
         let passes = |mark_ns: u64| next_ns / mark_ns > self.now_ns / mark_ns;
         let (looks, keeps) = (passes(LOOK_NS), passes(KEPT_NS));
         self.now_ns = next_ns;
-        self.board.take(&mut self.applied, &mut self.runs);
+        self.board.take(&mut self.news);
+        for stamped in self.news.calls.drain(..) {
+            if let Some(log) = &mut self.log {
+                log.take(&stamped)?;
+            }
+        }
         let delay_ns = (self.options.stress.delay_s * 1e9) as u64;
-        for mut applied in self.applied.drain(..) {
+        for mut applied in self.news.applied.drain(..) {
             applied.at_ns = self.processor.applies_ns(applied.at_ns) + delay_ns;
             self.world.command(applied);
         }
-        for (at_ns, ran) in self.runs.drain(..) {
+        for (at_ns, ran) in self.news.runs.drain(..) {
             let since_s = (at_ns as f64 - TAKE_OFF_NS as f64) * 1e-9;
             let scored = self.scored.is_some() && !self.battery.is_nearly_empty();
             let quantum = self.options.settings.quantum;
@@ -167,8 +175,30 @@ impl<'o> SimulatedFlight<'o> {
             self.board.measure(self.world.battery_pins_mv());
             self.battery.look(next_ns, self.board.as_ref(), drone);
             self.look(keeps && next_ns >= TAKE_OFF_NS);
+            self.log_truth()?;
         }
         Ok(())
+    }
+
+    /// Writes down where the drone truly is, where the flight is written.
+    fn log_truth(&mut self) -> Result<()> {
+        let Some(log) = &mut self.log else {
+            return Ok(());
+        };
+        let state = self.world.state();
+        let [x, y, z] = state.attitude.imag().into();
+        let attitude = [state.attitude.w, x, y, z].map(|part: f64| part as f32);
+        let axes = [state.position, state.velocity].map(<[f64; 3]>::from);
+        log.truth(
+            self.now_ns / 1_000,
+            attitude,
+            axes.map(|axes| axes.map(|axis| axis as f32)),
+        )
+    }
+
+    /// Ends the log of the flight, where it is written.
+    pub(super) fn end_log(&mut self) -> Result<()> {
+        self.log.take().map_or(Ok(()), FlightLog::finish)
     }
 
     /// Where the next step ends: at an update event of the motors' timers, and before any command

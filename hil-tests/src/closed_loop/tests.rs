@@ -33,6 +33,7 @@ fn options(logic: LogicName, policy: Policy, seed: u32) -> FlyOptions {
         scored_from_s: None,
         stress: Stress::default(),
         faults: Script::default(),
+        record: None,
         contention: Contention::default(),
     }
 }

@@ -17,6 +17,8 @@ const SPOKEN: u64 = 250;
 pub(super) struct Bar {
     bar: ProgressBar,
     terminal: bool,
+    /// The stage under way.
+    name: String,
     spoken: u64,
 }
 
@@ -25,6 +27,7 @@ impl Bar {
         Self {
             bar: ProgressBar::hidden(),
             terminal: std::io::stderr().is_terminal(),
+            name: String::new(),
             spoken: 0,
         }
     }
@@ -39,6 +42,7 @@ impl Progress for Bar {
     fn stage(&mut self, name: &str) {
         self.finish();
         self.spoken = 0;
+        name.clone_into(&mut self.name);
         if self.terminal {
             self.bar = ProgressBar::new(PARTS)
                 .with_style(spinner())
@@ -50,8 +54,12 @@ impl Progress for Bar {
     }
 
     fn detail(&mut self, what: &str) {
-        self.bar.set_prefix(what.to_owned());
+        self.bar.set_message(format!("{}: {what}", self.name));
         self.bar.tick();
+        // Elsewhere, what takes its time is said once; that nothing happens is said too.
+        if !self.terminal && what.starts_with("Blocking") {
+            say(&format!("  {what}\n"));
+        }
     }
 
     fn done(&mut self, done: f64, of: f64) {
@@ -79,11 +87,12 @@ fn say(text: &str) {
 }
 
 fn spinner() -> ProgressStyle {
-    style("{msg} {spinner} {prefix:.dim}")
+    style("{spinner} {wide_msg}")
 }
 
+/// What is of any length stands last, where a narrow terminal cuts it.
 fn measured() -> ProgressStyle {
-    style("{msg} [{bar:30}] {percent:>3} % {eta}")
+    style("[{bar:24}] {percent:>3} %, {eta} left  {wide_msg}")
 }
 
 fn style(template: &str) -> ProgressStyle {

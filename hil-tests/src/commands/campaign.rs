@@ -7,7 +7,9 @@ use clap::Args;
 
 use super::bar::Bar;
 use super::quantities::number;
-use crate::campaign::{self, CampaignOptions, Compared, Findings, Here, Metric, Plan, Shard};
+use crate::campaign::{
+    self, CampaignOptions, Compared, Findings, Here, Metric, Plan, Shard, percent,
+};
 use crate::clock;
 use crate::json::to_json;
 use crate::refusal::Refusal;
@@ -101,10 +103,13 @@ fn summary(findings: &Findings, options: &CampaignOptions) -> String {
             "{:.1} h natively in {} flights",
             hours.native, flights.native
         ),
-        format!(
-            "{:.2} h on the emulated board in {} flights, {} runs equal to the host's bit by bit",
-            hours.emulated, flights.emulated, findings.equal_runs
-        ),
+        match flights.emulated {
+            0 => "none on the emulated board".to_owned(),
+            some => format!(
+                "{:.2} h on the emulated board in {some} flights, {} runs equal to the host's bit by bit",
+                hours.emulated, findings.equal_runs
+            ),
+        },
         format!(
             "{} of {} flights missing, {} without a rate to be equal to, {} crashed",
             findings.missing,
@@ -137,7 +142,7 @@ fn comparison(compared: &Compared) -> String {
         let text = interval.map_or("-".to_owned(), |interval| {
             let half = interval.half_width;
             let half = half.map_or(String::new(), |half| format!(" ± {half:.2}"));
-            format!("{:+.2}{half}", interval.mean)
+            percent(interval.mean) + &half
         });
         format!("{text:>15}")
     });

@@ -12,6 +12,7 @@ use super::simulated_arguments::SimulatedArguments;
 use crate::closed_loop::{self, Core, FlyOptions, Flyer, Scene, plot, report};
 use crate::faults::Script;
 use crate::firmware::Firmware;
+use crate::flight_log::FlightLog;
 use crate::json::to_json;
 use crate::output_file::OutputFile;
 use crate::progress::Progress;
@@ -30,6 +31,9 @@ pub(super) struct FlyArguments {
     /// Draw the flight to this SVG file
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    /// Write the flight to this file as well, for other tools: .mcap or .ulg, see docs/records.md
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
     /// Print the report as one JSON object instead of a summary
     #[arg(long)]
     json: bool,
@@ -71,7 +75,13 @@ impl FlyArguments {
             let line = "natively there is no processor, leave out --native";
             return Err(refused(CLOCK, line).into());
         }
-        self.flight.options()
+        if let Some(file) = &self.record {
+            FlightLog::check(file)?;
+        }
+        Ok(FlyOptions {
+            record: self.record.clone(),
+            ..self.flight.options()?
+        })
     }
 
     fn fly(
@@ -128,6 +138,8 @@ mod tests {
 --plant-gain 0 | --plant-gain: 0 is out of range, must be 0.1 to 10
 --plot src | --plot src: is a folder
 --plot nowhere/a.svg | --plot nowhere/a.svg: its folder does not exist
+--record nowhere/a.mcap | --record nowhere/a.mcap: its folder does not exist
+--record flight.csv | --record flight.csv: must end in .mcap or .ulg
 --plant-delay 1 | --plant-delay: 1 is out of range, must be 0 to 0.2 s
 --late-share 2 | --late-share: 2 is out of range, must be 0 to 1
 --scheduler fair | [possible values: preemptive, cooperative]

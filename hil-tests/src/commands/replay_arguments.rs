@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::recorded_arguments::RecordedArguments;
 use super::sweep_arguments::SweepArguments;
+use crate::flight_log::FlightLog;
 use crate::output_file::OutputFile;
 use crate::refusal::Refusal;
 use crate::replay::options::ReplayOptions;
@@ -27,6 +28,9 @@ pub(super) struct ReplayArguments {
     /// Write the firmware's decoded log to this file
     #[arg(long, value_name = "FILE")]
     defmt: Option<PathBuf>,
+    /// Write the flight to this file as well, for other tools: .mcap or .ulg, see docs/records.md
+    #[arg(long, value_name = "FILE", conflicts_with = "sweep")]
+    record: Option<PathBuf>,
     /// Print the report as one JSON object instead of a summary
     #[arg(long)]
     pub(super) json: bool,
@@ -59,8 +63,15 @@ impl ReplayArguments {
                 file.check_is_not(log)?;
             }
         }
+        if let Some(file) = &self.record {
+            FlightLog::check(file)?;
+            if let Some(log) = log {
+                FlightLog::check_is_not(file, log)?;
+            }
+        }
         Ok(ReplayOptions {
             defmt: self.defmt.clone(),
+            record: self.record.clone(),
             faults: self.faults.clone(),
             ..options
         })

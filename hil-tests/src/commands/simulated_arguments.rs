@@ -75,6 +75,7 @@ impl SimulatedArguments {
                 delay_s: numbers.get(PLANT_DELAY)?,
             },
             faults: Script::default(),
+            record: None,
             contention: Contention {
                 jitter_s: numbers.get(JITTER)?,
                 late_share: numbers.get(LATE_SHARE)?,

@@ -7,7 +7,7 @@ use super::locks::{LockPlaces, Locks};
 use super::table::{Cost, Memory};
 use super::{CORE_HZ, SWAP_LIMIT};
 use crate::firmware::Firmware;
-use crate::progress::Progress;
+use crate::progress::{Progress, named};
 use crate::record::HANDLERS;
 use crate::replay::options::ReplayOptions;
 use crate::replay::{emulated::Session, open_flight};
@@ -77,7 +77,7 @@ pub(super) fn measure(firmware: &Firmware, progress: &mut dyn Progress) -> Resul
         writes_ns: Vec::new(),
     };
     let mut session = Session::new(&flight, &options, firmware, watches)?;
-    progress.stage(&format!("Counting a flight of {}", path.display()));
+    progress.stage(&format!("Counting a flight of {}", named(&path)));
     session.run(&mut watcher, progress)?;
     let outcome = session.end()?;
     // Two priorities above idle's are all that may be open where the flight was cut off.

@@ -35,6 +35,7 @@ pub(super) fn measure(firmware: &Firmware, progress: &mut dyn Progress) -> Resul
         scored_from_s: Some(FROM_S),
         stress: Stress::default(),
         faults: Script::default(),
+        record: None,
         contention: Contention::default(),
     };
     let mhz = (CORE_HZ / 1_000_000) as u32;

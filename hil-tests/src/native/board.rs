@@ -227,6 +227,11 @@ impl NativeBoard {
         self.pilot.recorder().0.drain(..)
     }
 
+    /// Everything that was called so far.
+    pub(crate) fn calls(&mut self) -> &[Stamped] {
+        &self.pilot.recorder().0
+    }
+
     /// Everything that was called so far; later calls begin anew.
     pub(crate) fn take_calls(&mut self) -> Vec<Stamped> {
         std::mem::take(&mut self.pilot.recorder().0)

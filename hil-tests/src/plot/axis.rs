@@ -14,6 +14,8 @@ pub enum Scale {
     Linear,
     /// Evenly, and 0 is always shown.
     FromZero,
+    /// Evenly, a unit as long as on the panel's other axis, where that is a map's too.
+    Map,
     /// By their logarithm; values of 0 and below cannot be shown.
     Logarithmic,
 }
@@ -41,6 +43,8 @@ pub(super) struct Fitted {
 
 /// Room beyond the outermost values, as a share of the range.
 const ROOM: f64 = 0.06;
+/// The least of a logarithmic axis, in powers of ten: a factor of two. What differs by less looks so.
+const LEAST_DECADES: f64 = 0.301;
 /// Ticks that an axis has at least, where its range lets it.
 const FEWEST_TICKS: usize = 4;
 /// Mantissas of the ticks on a logarithmic axis, sparse to dense.
@@ -87,18 +91,7 @@ impl Axis {
             return None;
         }
         let (low, high) = self.scale.with_room(low, high);
-        let scale = self.scale;
-        let ticks = match scale {
-            Scale::Logarithmic => logarithmic_ticks(low, high),
-            _ => linear_ticks(low, high),
-        };
-        Some(Fitted {
-            scale,
-            names: Vec::new(),
-            low,
-            high,
-            ticks,
-        })
+        Some(Fitted::over(self.scale, low, high))
     }
 
     fn fit_names(&self) -> Fitted {
@@ -110,6 +103,37 @@ impl Axis {
             high: last + 0.5,
             ticks: (0..self.names.len()).map(|place| place as f64).collect(),
         }
+    }
+}
+
+impl Fitted {
+    fn over(scale: Scale, low: f64, high: f64) -> Self {
+        let ticks = match scale {
+            Scale::Logarithmic => logarithmic_ticks(low, high),
+            _ => linear_ticks(low, high),
+        };
+        Self {
+            scale,
+            names: Vec::new(),
+            low,
+            high,
+            ticks,
+        }
+    }
+
+    /// The same around its middle, at least so long.
+    fn at_least(self, length: f64) -> Self {
+        if self.high - self.low >= length {
+            return self;
+        }
+        let middle = (self.low + self.high) / 2.0;
+        Self::over(self.scale, middle - length / 2.0, middle + length / 2.0)
+    }
+
+    /// Both axes of a map that is `width` by `height` on paper: the shorter one shows more.
+    pub(super) fn as_map(x: Self, y: Self, (width, height): (f64, f64)) -> (Self, Self) {
+        let unit = ((x.high - x.low) / width).max((y.high - y.low) / height);
+        (x.at_least(unit * width), y.at_least(unit * height))
     }
 }
 
@@ -125,6 +149,10 @@ impl Scale {
     fn with_room(self, low: f64, high: f64) -> (f64, f64) {
         let (low, high) = match self {
             Self::FromZero => (low.min(0.0), high.max(0.0)),
+            Self::Logarithmic if high - low < LEAST_DECADES && high > low => {
+                let middle = (low + high) / 2.0;
+                (middle - LEAST_DECADES / 2.0, middle + LEAST_DECADES / 2.0)
+            }
             _ => (low, high),
         };
         let width = high - low;

@@ -6,9 +6,9 @@ use plotters::element::PathElement;
 use plotters::prelude::{RGBColor, SVGBackend, Text};
 use plotters::style::{Color, TRANSPARENT};
 
-use super::axis::{Axis, Fitted};
+use super::axis::{Axis, Fitted, Scale};
 use super::curve::{Curve, Look, Marker, Point};
-use super::{Area, Drawn, INK, Pixel, bold, plain, text};
+use super::{Area, Drawn, INK, LINE_HEIGHT, Pixel, bold, draw_legend, looks_of, plain, text};
 
 /// Curves over a pair of axes.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +29,8 @@ type Chart<'p, 'a> = ChartContext<'p, SVGBackend<'a>, Cartesian2d<Fitted, Fitted
 const GRID: RGBColor = RGBColor(222, 222, 222);
 /// Room for the axes' numbers and titles, beside and below.
 const SIDES: (u32, u32) = (64, 52);
+/// Height of a panel's title, with the room around it.
+const CAPTION: u32 = 24;
 /// Margin around a panel.
 const MARGIN: u32 = 10;
 /// Size of labels, and of the box that no other label may enter.
@@ -41,7 +43,20 @@ const LONGEST_TITLE: usize = 56;
 
 impl Panel {
     /// Draws into `area`; `root` is the figure, whose units places are in.
-    pub(super) fn draw(&self, root: &Area<'_>, area: &Area<'_>) -> Drawn {
+    ///
+    /// Where it has a legend of its own, that stands below it.
+    pub(super) fn draw(&self, root: &Area<'_>, area: &Area<'_>, has_legend: bool) -> Drawn {
+        let looks = looks_of(self.curves.iter());
+        // A single curve is what the title says.
+        if has_legend && looks.len() > 1 {
+            let (chart, legend) = area.split_vertically(area.dim_in_pixel().1 - LINE_HEIGHT);
+            draw_legend(&legend, &looks)?;
+            return self.draw_chart(root, &chart);
+        }
+        self.draw_chart(root, area)
+    }
+
+    fn draw_chart(&self, root: &Area<'_>, area: &Area<'_>) -> Drawn {
         let title = cut(&plain(&self.title));
         let x = self.x.fit(self.shown().map(|point| point.x));
         let fitted = x.filter(|_| self.shown().next().is_some());
@@ -51,6 +66,10 @@ impl Panel {
             area.draw(&Text::new(title, (left, left), bold(17)))?;
             area.draw(&Text::new("nothing to show", (left, 4 * left), text(15)))?;
             return Ok(());
+        };
+        let (x, y) = match [self.x.scale, self.y.scale] {
+            [Scale::Map, Scale::Map] => Fitted::as_map(x, y, on_paper(area)),
+            _ => (x, y),
         };
         let mut chart = ChartBuilder::on(area)
             .caption(title, bold(17))
@@ -154,6 +173,16 @@ impl Panel {
         root.draw(&PathElement::new(ends.to_vec(), INK.stroke_width(1)))?;
         Ok(())
     }
+}
+
+/// Width and height of the axes in an area.
+fn on_paper(area: &Area<'_>) -> (f64, f64) {
+    let (width, height) = area.dim_in_pixel();
+    let around = (SIDES.0 + 2 * MARGIN, SIDES.1 + 2 * MARGIN + CAPTION);
+    (
+        f64::from(width.saturating_sub(around.0)),
+        f64::from(height.saturating_sub(around.1)),
+    )
 }
 
 /// The labels of a curve, its ends first: they say most.

@@ -162,3 +162,43 @@ fn values_that_no_axis_shows_are_left_out() {
     figure.panels.clear();
     elements(&figure.to_svg().expect("drawn"));
 }
+
+#[test]
+fn names_that_look_alike_are_told_apart_by_a_legend_for_each_panel() {
+    let mut figure = figure("a");
+    let told = |figure: &Figure, name: &str| {
+        let svg = figure.to_svg().expect("drawn");
+        svg.lines().filter(|line| line.trim() == name).count()
+    };
+    figure.panels.push(figure.panels[0].clone());
+    assert_eq!(told(&figure, "rising"), 1);
+    let look = &mut figure.panels[1].curves[1].look;
+    (look.name, look.colour, look.marker) = ("steep".to_owned(), (1, 2, 3), Marker::Circle);
+    assert_eq!(
+        ["falling", "rising", "steep"].map(|name| told(&figure, name)),
+        [2, 1, 1]
+    );
+}
+
+#[test]
+fn a_map_s_unit_is_as_long_on_both_axes_and_nothing_is_cut() {
+    let axis = Axis::new("m", Scale::Map);
+    let fit = |low, high| axis.fit([low, high].into_iter()).expect("an axis");
+    for (east, north) in [([0.0, 10.0], [0.0, 1.0]), ([3.0, 3.0], [-50.0, 50.0])] {
+        let fitted = (fit(east[0], east[1]), fit(north[0], north[1]));
+        let (x, y) = axis::Fitted::as_map(fitted.0.clone(), fitted.1.clone(), (400.0, 300.0));
+        let units = [(x.high - x.low) / 400.0, (y.high - y.low) / 300.0];
+        assert!((units[0] / units[1] - 1.0).abs() < 1e-9, "{units:?}");
+        for (map, of) in [(x, fitted.0), (y, fitted.1)] {
+            assert!(map.low <= of.low && map.high >= of.high, "{map:?}");
+        }
+    }
+}
+
+#[test]
+fn a_logarithmic_axis_shows_a_factor_of_two_at_least() {
+    let axis = Axis::new("runs per second", Scale::Logarithmic);
+    let narrow = axis.fit([49.1, 49.26].into_iter()).expect("an axis");
+    assert!(narrow.high - narrow.low > 0.3, "{narrow:?}");
+    assert!(narrow.ticks.len() > 1, "{narrow:?}");
+}

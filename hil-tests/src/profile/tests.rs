@@ -47,6 +47,7 @@ fn a_profiled_flight_is_the_same_flight_and_adds_up() {
         scored_from_s: Some(1.0),
         stress: Stress::default(),
         faults: Script::default(),
+        record: None,
         contention: Contention::default(),
     };
     let firmware = Firmware::build(options.gains.logic(), &mut Silent).unwrap();

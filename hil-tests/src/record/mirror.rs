@@ -1,7 +1,7 @@
 //! The firmware's calls made again on the host, which must compute the same bits.
 
 use anyhow::{Result, bail};
-use reflex::app::{Autopilot, Call, Ran, Reason, Recorder, Stamped};
+use reflex::app::{Autopilot, Call, Event, Ran, Reason, Recorder, Stamped};
 use reflex::sensors::Inputs;
 use reflex::time::Instant;
 
@@ -31,6 +31,11 @@ impl Mirror {
     /// The autopilot behind the calls so far.
     pub(crate) fn autopilot(&self) -> &Autopilot<impl Recorder, AnyLogic> {
         &self.0
+    }
+
+    /// The oldest event of the calls so far that was not taken yet.
+    pub(crate) fn next_event(&mut self) -> Option<Event> {
+        self.0.next_event()
     }
 
     /// The control logic behind the calls so far.

@@ -22,12 +22,13 @@ use reflex::settings::MotorProtocol;
 
 use super::native::without_leading;
 use super::options::ReplayOptions;
-use super::setup::{left_out, open_flight, script};
+use super::setup::{flight_log, left_out, open_flight, script};
 use super::timeline::Timeline;
 use crate::firmware::Firmware;
-use crate::progress::Progress;
+use crate::flight_log::FlightLog;
+use crate::progress::{Progress, named};
 use crate::record::motor_timers::update_period_ns;
-use crate::record::{Alignment, Counted, DecodedLog, Observation, WAY};
+use crate::record::{Alignment, Counted, CountedFrom, DecodedLog, Observation, WAY};
 use crate::scoring::Report;
 use emulated_board::Watched;
 
@@ -72,22 +73,20 @@ fn whole(options: &ReplayOptions, counts: bool, progress: &mut dyn Progress) -> 
         .transpose()?;
     // A script that is refused is so before anything is built.
     script(&flight, options, false)?;
+    let flight_log = flight_log(options)?;
     let firmware = Firmware::build(options.gains.logic(), progress)?;
     let watches = WAY.map(Watched::from).to_vec();
     let mut session = Session::new(&flight, options, &firmware, watches)?;
     let mut observation = Observation::new(log);
-    progress.stage(&format!("Replaying {}", path.display()));
-    let mut counted_from = None;
-    if counts {
-        let mut learning = Learning::new(&options.start(), session.flight_start_ns());
-        while session.step(&mut observation, progress)? {
-            if counted_from.is_none() && learning.is_over(&observation, session.now_ns())? {
-                counted_from = session.count(&observation);
-            }
-        }
-    } else {
-        session.run(&mut observation, progress)?;
-    }
+    progress.stage(&format!("Replaying {}", named(&path)));
+    let learning = counts.then(|| Learning::new(&options.start(), session.flight_start_ns()));
+    let counted_from = run(
+        &mut session,
+        &mut observation,
+        flight_log,
+        learning,
+        progress,
+    )?;
     let outcome = session.finish(&mut observation)?;
     observation.check()?;
     check_motor_period(options.settings.motors, outcome.motor_period_ns)?;
@@ -126,6 +125,34 @@ fn whole(options: &ReplayOptions, counts: bool, progress: &mut dyn Progress) -> 
         firmware,
         counted,
     })
+}
+
+/// Runs to the end, and writes the flight down where it is to be.
+///
+/// Instructions are counted from where learning is over, where it is watched.
+fn run(
+    session: &mut Session,
+    observation: &mut Observation,
+    mut log: Option<FlightLog>,
+    mut learning: Option<Learning>,
+    progress: &mut dyn Progress,
+) -> Result<Option<CountedFrom>> {
+    let (mut counted_from, mut goes_on) = (None, true);
+    while goes_on {
+        goes_on = session.step(observation, progress)?;
+        if let Some(log) = &mut log {
+            log.follow(&observation.calls)?;
+        }
+        if let Some(learning) = &mut learning
+            && goes_on
+            && counted_from.is_none()
+            && learning.is_over(observation, session.now_ns())?
+        {
+            counted_from = session.count(observation);
+        }
+    }
+    log.map_or(Ok(()), FlightLog::finish)?;
+    Ok(counted_from)
 }
 
 /// The timers must update as the protocol says.

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::options::ReplayOptions;
 use super::{open_flight, refusals};
-use crate::progress::Progress;
+use crate::progress::{Progress, named};
 use crate::refusal::Refusal;
 use recorded_flights::{Flight, FlightError};
 
@@ -72,7 +72,7 @@ pub(crate) fn open(replay: &ReplayOptions, progress: &mut dyn Progress) -> Resul
             });
         }
     };
-    progress.stage(&format!("Reading {}", folder.display()));
+    progress.stage(&format!("Reading {}", named(folder)));
     let files = files_of(folder)?;
     let mut logs = Logs::default();
     for (done, path) in files.iter().enumerate() {

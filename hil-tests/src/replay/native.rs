@@ -19,11 +19,12 @@ use reflex::settings::Policy;
 use super::link_frames::schedule;
 use super::options::ReplayOptions;
 use super::refusals;
-use super::setup::{chip_options, left_out, length_ns, open_flight, script};
+use super::setup::{chip_options, flight_log, left_out, length_ns, open_flight, script};
 use super::timeline::Timeline;
 use crate::faults::broken;
+use crate::flight_log::FlightLog;
 use crate::native::{NativeBoard, clock};
-use crate::progress::Progress;
+use crate::progress::{Progress, named};
 use crate::record::Look;
 use crate::refusal::Refusal;
 use crate::scoring::{Report, Score, WithoutLeading};
@@ -109,10 +110,14 @@ pub(super) fn without_leading(
 /// A flight that cannot be read or replayed with these options.
 pub fn replay(options: &ReplayOptions, progress: &mut dyn Progress) -> Result<Report> {
     let (flight, path) = open_flight(options)?;
-    progress.stage(&format!("Replaying {} natively", path.display()));
+    progress.stage(&format!("Replaying {} natively", named(&path)));
     let setpoints = Setpoints::of(&flight);
     let (mut board, end_ns) = boot(&flight, &setpoints, options)?;
-    let looks = watch(&mut board, end_ns, progress);
+    let mut log = flight_log(options)?;
+    let looks = watch(&mut board, end_ns, log.as_mut(), progress)?;
+    if let Some(log) = log {
+        log.finish()?;
+    }
     let calls = board.take_calls();
 
     progress.stage("Scoring");
@@ -145,8 +150,13 @@ fn boot(
     Ok((board, end_ns))
 }
 
-/// Runs to the end and looks at the chips on the way.
-fn watch(board: &mut NativeBoard, end_ns: u64, progress: &mut dyn Progress) -> Vec<Look> {
+/// Runs to the end, looks at the chips on the way, and writes the flight down where it is to be.
+fn watch(
+    board: &mut NativeBoard,
+    end_ns: u64,
+    mut log: Option<&mut FlightLog>,
+    progress: &mut dyn Progress,
+) -> Result<Vec<Look>> {
     let start_ns = Standstill::default().length_ns();
     let seconds = |at_ns: u64| at_ns.saturating_sub(start_ns) as f64 * 1e-9;
     let mut looks = Vec::new();
@@ -154,13 +164,16 @@ fn watch(board: &mut NativeBoard, end_ns: u64, progress: &mut dyn Progress) -> V
     while at_ns < end_ns {
         at_ns = (at_ns + STEP_NS).min(end_ns);
         board.run_until(at_ns);
+        if let Some(log) = &mut log {
+            log.follow(board.calls())?;
+        }
         looks.push(Look {
             at_ns,
             chips: board.look_at_chips(),
         });
         progress.done(seconds(at_ns), seconds(end_ns));
     }
-    looks
+    Ok(looks)
 }
 
 fn timeline<'c>(

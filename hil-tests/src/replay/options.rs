@@ -24,6 +24,8 @@ pub struct ReplayOptions {
     pub noise: bool,
     /// Where the firmware's decoded log is written.
     pub defmt: Option<PathBuf>,
+    /// Where the flight is written, for other tools.
+    pub record: Option<PathBuf>,
     /// The script of what breaks.
     pub faults: Option<PathBuf>,
 }
@@ -46,6 +48,7 @@ impl Default for ReplayOptions {
             reading: Reading::default(),
             noise: true,
             defmt: None,
+            record: None,
             faults: None,
         }
     }

@@ -7,6 +7,7 @@ use reflex::config::SHORTEST_WARM_UP;
 use reflex::settings::{Policy, WarmUp};
 
 use super::options::ReplayOptions;
+use crate::flight_log::FlightLog;
 use crate::output_file::OutputFile;
 use crate::refusal::Refusal;
 use recorded_flights::Flight;
@@ -26,9 +27,10 @@ pub(crate) fn check(options: &ReplayOptions, flight: &Flight, path: &Path) -> Re
     if let Some(defmt) = &options.defmt {
         let defmt = OutputFile::new("defmt", defmt);
         defmt.check_is_not(path)?;
-        if defmt.is_pipe() {
-            bail!(defmt.refusal("is a pipe, must be a file"));
-        }
+        defmt.check_is_no_pipe()?;
+    }
+    if let Some(record) = &options.record {
+        FlightLog::check_is_not(record, path)?;
     }
     Ok(())
 }

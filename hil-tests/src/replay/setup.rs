@@ -8,6 +8,7 @@ use anyhow::Result;
 use super::options::ReplayOptions;
 use super::refusals;
 use crate::faults::{Limits, Script};
+use crate::flight_log::FlightLog;
 use crate::mountings::mountings;
 use chip_models::{ChipOptions, Present};
 use recorded_flights::{Flight, Sensor, Standstill, sample_flight};
@@ -35,6 +36,12 @@ pub(crate) fn chip_options(flight: &Flight, options: &ReplayOptions) -> ChipOpti
         mountings: mountings(),
         ..ChipOptions::default()
     }
+}
+
+/// The log that a replay is written to, where it is.
+pub(super) fn flight_log(options: &ReplayOptions) -> Result<Option<FlightLog>> {
+    let create = |path| FlightLog::create(path, &options.start());
+    options.record.as_deref().map(create).transpose()
 }
 
 /// What breaks in a replay.

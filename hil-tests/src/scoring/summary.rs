@@ -104,6 +104,12 @@ fn flown(run: &RunReport, score: &Score) -> String {
     text
 }
 
+/// What a model says, and why an input may have none.
+const MODELS: &str = "\
+a run on a change x is changed with probability 1/(1+exp(-(b1+b2 x))), past the threshold often enough to ask for it
+irrelevant: its changes say nothing that the leading input does not; unfit: too few runs tell; terms: docs/glossary.md
+";
+
 fn sensors(sensors: &[Sensor]) -> String {
     let header = ["sensor", "samples", "model", "threshold", "b1", "b2"];
     let mut table = Table::new(header);
@@ -121,7 +127,7 @@ fn sensors(sensors: &[Sensor]) -> String {
             or_dash(sensor.b2, 3),
         ]);
     }
-    table.to_string()
+    format!("{table}{MODELS}")
 }
 
 /// Who asked for runs, and what that took: interrupts, and orders on the bus of a chip.
@@ -313,8 +319,10 @@ fn held_row(name: &str, runs: u64, deviation: &Deviation) -> [String; 7] {
 
 /// What the rows of periodic control are, and which loads are equal.
 fn yardsticks(score: &Score) -> String {
-    let mut text =
-        format!("felt is behind the motors' lag; periodic is the mean over {PHASES} phases");
+    let mut text = format!(
+        "felt is behind the motors' lag; periodic is the mean over {PHASES} phases\n\
+             with the reference's state: holding what reference control would command at those runs"
+    );
     let Some(load) = &score.periodic_equal_load else {
         return text + "; nobody measured this logic's load\n";
     };

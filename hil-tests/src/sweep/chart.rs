@@ -8,8 +8,8 @@ use super::report::{At, SweepReport};
 use super::table::rounded;
 use crate::plot::{Axis, Curve, Figure, Look, Marker, Panel, Point, Scale};
 
-/// Panels beside each other.
-const COLUMNS: usize = 3;
+/// Panels beside each other: as many as a window is wide.
+const COLUMNS: usize = 2;
 
 /// A baseline's or the policy's curve: its name, its colour, its marker.
 type Kind = (&'static str, (u8, u8, u8), Marker);

@@ -74,7 +74,7 @@ fn sentence(metric: Metric, interval: &Interval) -> String {
     let by = interval.mean.abs();
     let [low, high] = interval.ends().map(percent);
     match interval.half_width {
-        None => format!("{name}: {by:.2} % {change}, of too few seeds for an interval"),
+        None => format!("{name}: {by:.2} % {change}, by too few seeds for an interval"),
         Some(half) if half >= by => {
             format!("{name}: no difference that could be told from chance, {low} to {high} %")
         }
@@ -191,7 +191,7 @@ mod tests {
                 Metric::Roll,
                 2.0,
                 None,
-                "roll error: 2.00 % less, of too few seeds for an interval",
+                "roll error: 2.00 % less, by too few seeds for an interval",
             ),
         ] {
             assert_eq!(sentence(metric, &interval(mean, half)), expected);

@@ -66,6 +66,11 @@ a.csv b.csv | a.csv and b.csv: one log at a time
 --native --defmt out.log | --defmt out.log: only the firmware writes a log, leave out --native
 --defmt - | --defmt -: must be the name of a file
 --defmt nowhere/out.log | --defmt nowhere/out.log: its folder does not exist
+--record src | --record src: is a folder
+--record flight.bag | --record flight.bag: must end in .mcap or .ulg
+--native --record flight | --record flight: must end in .mcap or .ulg
+--record nowhere/a.mcap | --record nowhere/a.mcap: its folder does not exist
+--sweep p-run=0.2..0.9 --record a.ulg | cannot be used with
 --sweep p-run | must be NAME=A..B
 --sweep seed=1..9 | `seed` is none of p-run, failsafe, quantum
 --sweep p-run=0.9..0.2 | must ascend
@@ -105,7 +110,7 @@ fn every_option_arrives() {
     let options = parse(
         "a.csv --reference previous-sample --p-run 0.7 --warm-up 2 --warm-up-rate 400 --failsafe 0.2 \
          --quantum 1/128 --motors pwm --duration 20 --rotate roll180 --noise none --seed 9 \
-         --triggers gyro,turned --pairs published --feedback published --defmt out.log",
+         --triggers gyro,turned --pairs published --feedback published --defmt out.log --record a.ULG",
     )
     .unwrap();
     let settings = Settings {
@@ -131,6 +136,7 @@ fn every_option_arrives() {
         reading: "roll180".parse::<Rotate>().unwrap().into(),
         noise: false,
         defmt: Some("out.log".into()),
+        record: Some("a.ULG".into()),
         faults: None,
     };
     assert_eq!(options, expected);

@@ -51,6 +51,8 @@ gaps in the log: 1, 0.013 s together
 sensor         samples   model     threshold      b1      b2
 mpu6050_gyro         9     fit  0.0421 rad/s  -3.210  86.100
 lsm303agr_mag        9  absent             -       -       -
+a run on a change x is changed with probability 1/(1+exp(-(b1+b2 x))), past the threshold often enough to ask for it
+irrelevant: its changes say nothing that the leading input does not; unfit: too few runs tell; terms: docs/glossary.md
 
 asked for runs  runs  first  alone  rightly  interrupts  spared  orders
 mpu6050_gyro       2      1      1        0           9       0       3
@@ -85,6 +87,7 @@ impulse's oracle, equal runs                  5     0.00       0.000     0.00   
 reactive, natively, sensors alone trigger     5    37.50       0.612     1.00     0.500          1.00
   periodic, equal runs                        6    20.31       0.447     0.94     0.447          0.94
 felt is behind the motors' lag; periodic is the mean over 8 phases
+with the reference's state: holding what reference control would command at those runs
 load 26.56 % (by load.toml); periodic 26.25 % at 0.2 Hz (by load.toml)
 
 from s  length s  runs/s  stale %  RMS quanta  felt RMS  saturated %

@@ -50,7 +50,7 @@ const LAYERS: [Layers; 2] = [
                 "toolchain",
             ],
             &["firmware"],
-            &["native", "record"],
+            &["flight_log", "native", "record"],
             &["closed_loop", "replay"],
             &["profile", "scenarios", "sweep", "tune"],
             &["costs"],
