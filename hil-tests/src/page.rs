@@ -1,4 +1,4 @@
-//! Pages of HTML: one file that works offline, without scripts, on a screen and on paper.
+//! Pages of HTML: one file, without scripts, for a screen and for paper.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 

@@ -9,9 +9,9 @@ use std::fmt;
 pub struct Refusal(String);
 
 impl Refusal {
-    /// A refusal in one line.
+    /// A refusal in one line: breaks in what it quotes are blanks.
     pub fn new(line: impl Into<String>) -> Self {
-        Self(line.into())
+        Self(line.into().replace(char::is_control, " "))
     }
 }
 
@@ -22,3 +22,14 @@ impl fmt::Display for Refusal {
 }
 
 impl std::error::Error for Refusal {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_quoted_breaks_no_line() {
+        let refusal = Refusal::new("unknown variant `l\nded\r`");
+        assert_eq!(refusal.to_string(), "unknown variant `l ded `");
+    }
+}

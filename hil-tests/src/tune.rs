@@ -1,4 +1,4 @@
-//! Tuning: what other settings would change on somebody's own flights, and which of them pays.
+//! Tuning: what other settings would change on one's own flights, and which pays.
 //!
 //! ```text
 //! logs x (as configured + a trial for each neighbouring value) -- threads --> scores
@@ -10,6 +10,7 @@
 
 mod curves;
 mod effect;
+mod flown;
 mod page;
 mod proposal;
 mod report;
@@ -17,6 +18,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 mod trials;
+mod tried;
 
 use anyhow::Result;
 use reflex::settings::Settings;
@@ -32,7 +34,7 @@ pub use page::page;
 pub use report::TuneReport;
 pub use table::summary;
 
-use report::Flown;
+use flown::Flown;
 use trials::Trial;
 
 /// The options of a tuning, checked.

@@ -7,7 +7,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::report::Flown;
+use super::flown::Flown;
 use crate::interval::Interval;
 use crate::scoring::{Score, Window};
 

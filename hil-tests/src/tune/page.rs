@@ -1,11 +1,12 @@
-//! The result of a tuning as a page: what pays, the trade between runs and straying, what was learned.
+//! The result of a tuning as a page: what pays, what trades, what was learned.
 
 use anyhow::Result;
 use maud::{Markup, PreEscaped, html};
 
 use super::curves::Learned;
-use super::report::{Configured, Tried, TuneReport};
+use super::report::{Configured, TuneReport};
 use super::table::{cells, heading, legend, trades, verdict};
+use super::tried::Tried;
 use crate::page;
 use crate::plot::{Axis, Curve, Figure, Look, Marker, Panel, Point, Scale};
 use crate::scoring::or_dash;

@@ -6,7 +6,7 @@ use serde::Serialize;
 use similar::TextDiff;
 use toml_edit::{DocumentMut, Item, Value};
 
-use super::report::Tried;
+use super::tried::Tried;
 use crate::toolchain;
 
 /// The file that all tuned values are in, from the project's folder.

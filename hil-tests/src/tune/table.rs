@@ -1,7 +1,8 @@
 //! The result of a tuning as text: tables, the proposal, and how much to believe.
 
 use super::effect::{Effect, PairedBy};
-use super::report::{Trade, Tried, TuneReport, Wish};
+use super::report::{Trade, TuneReport, Wish};
+use super::tried::Tried;
 use crate::scoring::{Table, or_dash};
 
 /// The report for a person; a dash stands for what has no value.

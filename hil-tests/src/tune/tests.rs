@@ -6,7 +6,7 @@ use reflex::config::SETTINGS;
 use reflex::settings::Declared;
 
 use super::effect::{Effect, confidence};
-use super::report::Tried;
+use super::tried::Tried;
 use super::{TuneOptions, page, proposal, summary, trials, tune};
 use crate::progress::Silent;
 use crate::replay::options::ReplayOptions;
