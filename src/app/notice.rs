@@ -83,7 +83,7 @@ pub(super) const fn battery(state: BatteryState) -> Notice {
 
 /// The voltage is lower than any load explains, or gone.
 pub(super) const BATTERY_COLLAPSED: Notice =
-    Notice::new(Severity::Critical, "battery", "voltage collapsed, land");
+    Notice::new(Severity::Critical, "battery", "collapsed, land");
 
 /// The source of places moved its frame.
 pub(super) const PLACE_RESET: Notice =

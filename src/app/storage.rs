@@ -106,7 +106,7 @@ fn found_notice(found: Found) -> Option<Notice> {
         Found::Empty | Found::Sound => return None,
         Found::OneCopy => (Warning, "one copy damaged, the other used"),
         Found::OtherVersion => (Error, "of another version, defaults used"),
-        Found::PartlyKnown => (Error, "some not known here, others used"),
+        Found::PartlyKnown => (Error, "some unknown, others used"),
         Found::Damaged => (Error, "store damaged, defaults used"),
     };
     Some(Notice::new(severity, "settings", why))

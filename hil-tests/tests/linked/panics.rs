@@ -18,10 +18,14 @@ const PANICS: [&str; 5] = [
 ];
 
 /// Who may lead to a panic, by a part of the symbol, and why none comes of it.
-const ARGUED: [(&str, &str); 7] = [
+const ARGUED: [(&str, &str); 8] = [
     (
         "CAN1_TX",
         "a task's future is polled after its end: RTIC spawns it anew before",
+    ),
+    (
+        "CAN1_RX0",
+        "the same of the look at the battery, which the heartbeat waits for",
     ),
     ("CAN1_RX1", "the same; the failsafe's loop has no end"),
     (

@@ -558,10 +558,7 @@ fn a_store_that_lost_something_is_told_and_acknowledged_before_arming() {
             Found::OtherVersion,
             "settings: of another version, defaults used",
         ),
-        (
-            Found::PartlyKnown,
-            "settings: some not known here, others used",
-        ),
+        (Found::PartlyKnown, "settings: some unknown, others used"),
     ] {
         let mut rig = Rig::new(SETTINGS).standing();
         rig.autopilot
