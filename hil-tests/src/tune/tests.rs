@@ -121,14 +121,16 @@ fn look_in_a_browser(page: &str) {
                 "--headless=new",
                 "--no-sandbox",
                 "--disable-gpu",
+                "--disable-dev-shm-usage",
                 "--dump-dom",
             ])
             .arg(format!("--user-data-dir={}", folder.path().display()))
             .arg(format!("--window-size={width},900"))
             .arg(format!("file://{}", file.display()))
             .output();
-        let Ok(output) = browser else {
-            eprintln!("skipped: no chromium, Debian's package is enough");
+        // One that ends without a page, for want of a sandbox or of memory, says nothing of ours.
+        let Some(output) = browser.ok().filter(|output| !output.stdout.is_empty()) else {
+            eprintln!("skipped: no chromium that shows a page, Debian's package is enough");
             return;
         };
         let dom = String::from_utf8_lossy(&output.stdout);
