@@ -16,13 +16,12 @@ mod table;
 mod tests;
 
 use anyhow::Result;
+use recorded_flights::Flight;
 use reflex::settings::Settings;
 
-use crate::parallel;
 use crate::progress::Progress;
 use crate::replay::native;
 use crate::replay::options::ReplayOptions;
-use crate::scoring::Score;
 
 pub use crate::replay::logs::Skipped;
 pub use chart::trade_curves;
@@ -31,7 +30,7 @@ pub use outcome::Outcome;
 pub use report::{Median, SweepPoint, SweepReport};
 pub use table::tables;
 
-use crate::replay::logs::{self, Log, Logs};
+use crate::replay::logs;
 
 /// The options of a sweep, checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,52 +49,26 @@ pub struct SweepOptions {
 /// A log that cannot be replayed, where no folder was named; a folder without any; threads that
 /// cannot be started.
 pub fn sweep(options: &SweepOptions, progress: &mut dyn Progress) -> Result<SweepReport> {
-    let Logs { logs, mut skipped } = logs::open(&options.replay, progress)?;
+    let logs = logs::open(&options.replay, progress)?;
     let points = options.grid.settings(options.replay.settings);
     progress.stage(&format!(
-        "Flying {} settings on {} log{}",
+        "Flying {} settings on {}",
         points.len(),
-        logs.len(),
-        if logs.len() == 1 { "" } else { "s" }
+        logs.counted()
     ));
-    let mut scores = fly(options, &logs, &points, progress)?.into_iter();
-    let mut scored = Vec::new();
-    for log in &logs {
-        let own: Result<Vec<Score>> = scores.by_ref().take(points.len()).collect();
-        match (own, &options.replay.log) {
-            (Ok(own), _) => scored.extend(
-                (points.iter().zip(own)).map(|(point, score)| SweepPoint::new(log, point, score)),
-            ),
-            (Err(error), Some(path)) if path.is_dir() && logs::is_refusal(&error) => {
-                skipped.push(Skipped::new(&log.name, &error));
-            }
-            (Err(error), _) => return Err(error),
-        }
-    }
-    skipped.sort_by(|one, other| one.log.cmp(&other.log));
-    match &options.replay.log {
-        Some(folder) if scored.is_empty() => Err(logs::no_log(folder, &skipped).into()),
-        _ => SweepReport::new(options, scored, skipped),
-    }
-}
-
-/// Flies each pair of log and point in some thread; the scores are in the order of the pairs.
-fn fly(
-    options: &SweepOptions,
-    logs: &[Log],
-    points: &[Settings],
-    progress: &mut dyn Progress,
-) -> Result<Vec<Result<Score>>> {
-    let pairs: Vec<_> = logs
-        .iter()
-        .flat_map(|log| points.iter().map(move |point| (log, point)))
-        .collect();
-    let score = |(log, point): &(&Log, &Settings)| {
+    let score = |flight: &Flight, settings: &Settings| {
         let replay = ReplayOptions {
-            settings: **point,
+            settings: *settings,
             ..options.replay.clone()
         };
-        native::fly_and_score(&log.flight, &replay)
+        native::fly_and_score(flight, &replay)
     };
-    parallel::map(&pairs, options.threads, score, progress)
+    let how = (&options.replay, options.threads);
+    let (flown, skipped) = logs::fly_each(logs, how, &points, score, progress)?;
+    let mut scored = Vec::new();
+    for (log, scores) in flown {
+        let points = points.iter().zip(scores);
+        scored.extend(points.map(|(point, score)| SweepPoint::new(&log, point, score)));
+    }
+    SweepReport::new(options, scored, skipped)
 }

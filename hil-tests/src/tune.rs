@@ -23,10 +23,9 @@ mod tried;
 use anyhow::Result;
 use reflex::settings::Settings;
 
-use crate::parallel;
 use crate::progress::Progress;
-use crate::replay::logs::{self, Log, Logs, Skipped};
-use crate::replay::native::{Learned, fly_and_learn, fly_and_score};
+use crate::replay::logs;
+use crate::replay::native::{Learned, fly_and_learn};
 use crate::replay::options::ReplayOptions;
 use crate::scoring::Score;
 
@@ -35,7 +34,6 @@ pub use report::TuneReport;
 pub use table::summary;
 
 use flown::Flown;
-use trials::Trial;
 
 /// The options of a tuning, checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,7 +47,7 @@ pub struct TuneOptions {
 /// One log flown once: with the configuration, or in a trial.
 struct Flight {
     score: Score,
-    /// What its inputs learned; with the configuration alone.
+    /// What its inputs learned.
     learned: Vec<Learned>,
 }
 
@@ -59,60 +57,28 @@ struct Flight {
 /// A log that cannot be replayed, where no folder was named; a folder without any; threads that
 /// cannot be started; a file of `config/` that cannot be read.
 pub fn tune(options: &TuneOptions, progress: &mut dyn Progress) -> Result<TuneReport> {
-    let Logs { logs, mut skipped } = logs::open(&options.replay, progress)?;
+    let logs = logs::open(&options.replay, progress)?;
     let trials = trials::of(&options.replay.settings);
     progress.stage(&format!(
-        "Flying the configuration and {} other values on {} log{}",
+        "Flying the configuration and {} other values on {}",
         trials.len(),
-        logs.len(),
-        if logs.len() == 1 { "" } else { "s" }
+        logs.counted()
     ));
-    let mut flights = fly(options, &logs, &trials, progress)?.into_iter();
-    let mut flown = Vec::new();
-    for log in &logs {
-        let own: Result<Vec<Flight>> = flights.by_ref().take(1 + trials.len()).collect();
-        match (own, &options.replay.log) {
-            (Ok(own), _) => flown.extend(Flown::new(&log.name, own)),
-            (Err(error), Some(path)) if path.is_dir() && logs::is_refusal(&error) => {
-                skipped.push(Skipped::new(&log.name, &error));
-            }
-            (Err(error), _) => return Err(error),
-        }
-    }
-    skipped.sort_by(|one, other| one.log.cmp(&other.log));
-    match &options.replay.log {
-        Some(folder) if flown.is_empty() => Err(logs::no_log(folder, &skipped).into()),
-        _ => TuneReport::new(options, &trials, flown, skipped),
-    }
-}
-
-/// Flies each log, as configured first and then in each trial, in some thread.
-fn fly(
-    options: &TuneOptions,
-    logs: &[Log],
-    trials: &[Trial],
-    progress: &mut dyn Progress,
-) -> Result<Vec<Result<Flight>>> {
-    let settings: Vec<Option<Settings>> = std::iter::once(None)
-        .chain(trials.iter().map(|trial| Some(trial.settings)))
+    let configured = std::iter::once(options.replay.settings);
+    let settings: Vec<Settings> = configured
+        .chain(trials.iter().map(|trial| trial.settings))
         .collect();
-    let pairs: Vec<_> = logs
-        .iter()
-        .flat_map(|log| settings.iter().map(move |settings| (log, *settings)))
-        .collect();
-    let one = |(log, settings): &(&Log, Option<Settings>)| match settings {
-        None => fly_and_learn(&log.flight, &options.replay)
-            .map(|(score, learned)| Flight { score, learned }),
-        Some(settings) => {
-            let replay = ReplayOptions {
-                settings: *settings,
-                ..options.replay.clone()
-            };
-            fly_and_score(&log.flight, &replay).map(|score| Flight {
-                score,
-                learned: Vec::new(),
-            })
-        }
+    let fly = |flight: &recorded_flights::Flight, settings: &Settings| {
+        let replay = ReplayOptions {
+            settings: *settings,
+            ..options.replay.clone()
+        };
+        let (score, learned) = fly_and_learn(flight, &replay)?;
+        Ok(Flight { score, learned })
     };
-    parallel::map(&pairs, options.threads, one, progress)
+    let how = (&options.replay, options.threads);
+    let (flown, skipped) = logs::fly_each(logs, how, &settings, fly, progress)?;
+    let flown = flown.into_iter();
+    let flown = flown.filter_map(|(log, flights)| Flown::new(&log.name, flights));
+    TuneReport::new(options, &trials, flown.collect(), skipped)
 }

@@ -1,7 +1,7 @@
 //! Topics as protobuf messages, which the log describes to those who read it.
 //!
-//! Foxglove's own schemas fit poses and scenes east, north, up; what is told here are plain numbers,
-//! which plots and tables show by the names of their fields.
+//! Foxglove's own schemas are for poses and scenes, east, north, up. These topics are plain numbers:
+//! plots and tables show them by the names of their fields.
 
 use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};

@@ -143,7 +143,7 @@ topics! {
     TruePlace "truth/place" "vehicle_local_position_groundtruth",
 }
 
-/// What a fit came to, by its place.
+/// Names of the outcomes of a fit; a row holds the place in this list.
 pub(super) const FITS: [&str; 3] = ["Unfit", "Irrelevant", "Model"];
 
 impl Topic {

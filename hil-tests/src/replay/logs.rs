@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::options::ReplayOptions;
 use super::{open_flight, refusals};
+use crate::parallel;
 use crate::progress::{Progress, named};
 use crate::refusal::Refusal;
 use recorded_flights::{Flight, FlightError};
@@ -50,8 +51,18 @@ pub(crate) struct Logs {
     pub skipped: Vec<Skipped>,
 }
 
+impl Logs {
+    /// How many there are, in words.
+    pub(crate) fn counted(&self) -> String {
+        match self.logs.len() {
+            1 => "1 log".to_owned(),
+            count => format!("{count} logs"),
+        }
+    }
+}
+
 /// Whether the log was at fault, and not this program.
-pub(crate) fn is_refusal(error: &Error) -> bool {
+fn is_refusal(error: &Error) -> bool {
     error.is::<Refusal>() || error.is::<FlightError>()
 }
 
@@ -91,8 +102,50 @@ pub(crate) fn open(replay: &ReplayOptions, progress: &mut dyn Progress) -> Resul
     Ok(logs)
 }
 
+/// What came of each log, in every way that it was flown.
+pub(crate) type OfLogs<T> = Vec<(Log, Vec<T>)>;
+
+/// Flies every log in each of some ways, each pair in some thread: what came of each log, in order.
+///
+/// Of a folder, logs that cannot be replayed are left out.
+///
+/// # Errors
+/// A log that cannot be replayed, where no folder was named; a folder in which none can; threads that
+/// cannot be started.
+pub(crate) fn fly_each<W: Sync, T: Send>(
+    Logs { logs, mut skipped }: Logs,
+    (replay, threads): (&ReplayOptions, usize),
+    ways: &[W],
+    fly: impl Fn(&Flight, &W) -> Result<T> + Sync,
+    progress: &mut dyn Progress,
+) -> Result<(OfLogs<T>, Vec<Skipped>)> {
+    let pairs: Vec<_> = logs
+        .iter()
+        .flat_map(|log| ways.iter().map(move |way| (log, way)))
+        .collect();
+    let one = |(log, way): &(&Log, &W)| fly(&log.flight, way);
+    let mut flown = parallel::map(&pairs, threads, one, progress)?.into_iter();
+    let folder = replay.log.as_ref().filter(|path| path.is_dir());
+    let mut of_logs = Vec::new();
+    for log in logs {
+        let own: Result<Vec<T>> = flown.by_ref().take(ways.len()).collect();
+        match own {
+            Ok(own) => of_logs.push((log, own)),
+            Err(error) if folder.is_some() && is_refusal(&error) => {
+                skipped.push(Skipped::new(&log.name, &error));
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    skipped.sort_by(|one, other| one.log.cmp(&other.log));
+    match folder {
+        Some(folder) if of_logs.is_empty() => Err(no_log(folder, &skipped).into()),
+        _ => Ok((of_logs, skipped)),
+    }
+}
+
 /// The refusal of a folder in which nothing can be flown.
-pub(crate) fn no_log(folder: &Path, skipped: &[Skipped]) -> Refusal {
+fn no_log(folder: &Path, skipped: &[Skipped]) -> Refusal {
     let folder = folder.display();
     Refusal::new(match skipped.first() {
         None => format!("{folder}: is an empty folder, name one with logs"),

@@ -108,6 +108,15 @@ fn values(values: &[Tried]) -> Markup {
     }
 }
 
+fn look(name: &str, colour: (u8, u8, u8), marker: Marker, width: u32) -> Look {
+    Look {
+        name: name.to_owned(),
+        colour,
+        marker,
+        width,
+    }
+}
+
 /// Runs against straying, a point for each value.
 fn trade(report: &TuneReport) -> Figure {
     let points = |pays: bool| -> Vec<Point> {
@@ -129,12 +138,6 @@ fn trade(report: &TuneReport) -> Figure {
         })
         .collect()
     };
-    let look = |name: &str, colour, marker| Look {
-        name: name.to_owned(),
-        colour,
-        marker,
-        width: 0,
-    };
     let origin = Point::default();
     Figure {
         title: "Each value against the configuration".to_owned(),
@@ -144,15 +147,15 @@ fn trade(report: &TuneReport) -> Figure {
             y: Axis::new("change of straying, %", Scale::Linear),
             curves: vec![
                 Curve {
-                    look: look("as configured", THRESHOLD, Marker::Square),
+                    look: look("as configured", THRESHOLD, Marker::Square, 0),
                     points: vec![origin],
                 },
                 Curve {
-                    look: look("pays", PAYS, Marker::Triangle),
+                    look: look("pays", PAYS, Marker::Triangle, 0),
                     points: points(true),
                 },
                 Curve {
-                    look: look("other values", VALUES, Marker::Circle),
+                    look: look("other values", VALUES, Marker::Circle, 0),
                     points: points(false),
                 },
             ],
@@ -180,12 +183,6 @@ fn panel(learned: &Learned) -> Panel {
     };
     let low = changes().fold(f64::INFINITY, f64::min);
     let high = changes().fold(0.0, f64::max);
-    let look = |name: &str, colour, marker, width| Look {
-        name: name.to_owned(),
-        colour,
-        marker,
-        width,
-    };
     let at = |x: f64, y: f64| Point {
         x,
         y,
